@@ -14,8 +14,7 @@ from quickreturn.cases.runs.request import Run
 from quickreturn.cases.shown import Units
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reports.results.drive import drive_of, drive_sentences
-from quickreturn.reports.results.loads import CaseLoads, leading_loads, loads_document, notch_lines, stress_text
-from quickreturn.reports.results.runs import settled_speed
+from quickreturn.reports.results.loads import CaseLoads, leading_loads, loads_document, notch_lines, settled_speed, stress_text
 from quickreturn.reports.words import TIED, cost, quantity
 
 #: Largest number of departures that the text shows for a pair of engines.

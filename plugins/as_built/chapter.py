@@ -19,14 +19,6 @@ WRONG: Final = 0.1
 #: Error of a frequency, and a gap (m), that look right.
 CLOSE: Final = 3e-3
 NARROW: Final = 1e-4
-#: What cures an error: the setting, the construction that has it, and the one that differs in that setting alone.
-CURES: Final = (
-    ("a contact of two steps in place of 20 ms", "slot, default contact, 0.1 ms", "slot, contact 2 steps"),
-    ("no friction in place of the default", "slot, contact 2 steps, default friction", "slot, contact 2 steps"),
-    ("the integrator implicitfast in place of discrete", "slot, contact 2 steps, discrete, 0.1 ms", "slot, contact 2 steps"),
-    ("hinges of EI/h in place of 3 EI/h", "slot, contact 2 steps, hinges 3 EI/h", "slot, contact 2 steps"),
-    ("26 links in place of 13", "slot, contact 2 steps", "slot, contact 2 steps, 26 links, 0.025 ms"),
-)
 
 
 def as_built(content: Content) -> Chapter | None:
@@ -36,7 +28,7 @@ def as_built(content: Content) -> Chapter | None:
         return None
     facts = {
         "of_record": about("as built"),
-        "sentences": [told for told in (sentence(rows) for sentence in SENTENCES) if told],
+        "sentences": [each for each in (narrow_words(rows), close_words(rows)) if each],
         "table": table(rows),
     }
     return Chapter("as_built", "As users build it", finding(rows), facts)
@@ -57,15 +49,6 @@ def finding(rows: Sequence[Construction]) -> str:
     return f"{of} within {percent(RIGHT, 'g')} in run 24{'; ' if others else ''}{' and '.join(others)}"
 
 
-def lost_words(rows: Sequence[Construction]) -> str:
-    """What loses the motion."""
-    lost = [row for row in rows if row.lost]
-    if not lost:
-        return ""
-    names = listed([f"{row.program} ({row.name}) after {duration(row.end)}" for row in lost])
-    return f"What diverges: {names}. Where springs are explicit, a chain of 13 links needs steps below 0.28{TIED}ms."
-
-
 def narrow_words(rows: Sequence[Construction]) -> str:
     """How far off constructions are whose gap is small."""
     return _seeming(rows, _narrow, f"A gap below {number(1e3 * NARROW, 'g')}{TIED}mm")
@@ -74,33 +57,6 @@ def narrow_words(rows: Sequence[Construction]) -> str:
 def close_words(rows: Sequence[Construction]) -> str:
     """How far off constructions are whose frequency is right."""
     return _seeming(rows, _close, f"A first frequency that is right to {percent(CLOSE, 'g')}")
-
-
-def cure_words(rows: Sequence[Construction]) -> str:
-    """Which setting cures which error, by how much."""
-    errors = {row.name: row.error for row in rows if row.error is not None}
-    pairs = [(what, errors[ill], errors[cured]) for what, ill, cured in CURES if errors.keys() >= {ill, cured}]
-    told = [f"{what} ({size(ill)} to {size(cured)})" for what, ill, cured in pairs if cured < ill]
-    return f"What cures a chain of MuJoCo: {listed(told)}." if told else ""
-
-
-def price_words(rows: Sequence[Construction]) -> str:
-    """The fastest construction of each program that is right to 1 %, or the most accurate one."""
-    told = []
-    for program in dict.fromkeys(row.program for row in rows):
-        known = [(row.error, row.seconds, row.name) for row in rows if row.program == program and row.error is not None and row.seconds]
-        good = [(seconds, error, name) for error, seconds, name in known if error <= 0.01]
-        if good:
-            seconds, error, name = min(good)
-            told.append(f"{program} is within {percent(0.01, 'g')} in {duration(seconds)} ({name}: {size(error)})")
-        elif known:
-            error, seconds, name = min(known)
-            told.append(f"{program} was not tried finer than {size(error)}, in {duration(seconds)} ({name})")
-    return f"What it costs: {listed(told)}." if told else ""
-
-
-#: What a user takes away; each is a function of the record, "" where it has nothing to tell.
-SENTENCES: Final[Sequence[Callable[[Sequence[Construction]], str]]] = (lost_words, narrow_words, close_words, cure_words, price_words)
 
 
 def _wrong(row: Construction) -> bool:

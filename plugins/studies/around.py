@@ -26,7 +26,7 @@ from quickreturn.plugins.studies.resonance_curve.search import PROMINENT, job_ar
 from quickreturn.plugins.studies.uncertainty.parameters import Parameter
 from quickreturn.reference_model.rigid import mean_crank_speed
 from quickreturn.reports.page.content import Content
-from quickreturn.reports.results.runs import settled_speed
+from quickreturn.reports.results.loads import settled_speed
 from quickreturn.reports.words import MINUS, TIED, in_words, listed, number, percent, size
 
 

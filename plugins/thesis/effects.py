@@ -11,7 +11,7 @@ from quickreturn.plugins.thesis.experiment import statements
 from quickreturn.plugins.thesis.finding.effects import effects, name_of
 from quickreturn.plugins.thesis.finding.study import SECOND, Row
 from quickreturn.plugins.thesis.runs import thesis_runs
-from quickreturn.plugins.thesis.sufficiency import OF_NO_JOINT, SIMULATION, Split, Trial, conflicting, splits, sufficiency, trials
+from quickreturn.plugins.thesis.sufficiency import OF_NO_JOINT, SIMULATION, Trial, sufficiency, trials
 from quickreturn.reports.page.plot import Plot, Series
 from quickreturn.reports.words import counted, number, percent
 
@@ -44,37 +44,17 @@ def effect_facts(study: Sequence[Row], results: Sequence[CaseResult]) -> dict[st
     if not sets:
         return {"effects_plot": None}
     verdicts = sufficiency(sets)
-    nothing = [each.statement.words for each in verdicts if not each.sets and each.statement.id not in OF_NO_JOINT]
     return {
-        "splitting": splitting_words(splits(rows)),
         "odd": odd_words(rows),
         "sets": set_words(sets),
         "runs": min(row.runs for row in rows),
-        "conflicting": quoted(conflicting(verdicts, "post-excess")),
-        "nothing": quoted(nothing),
         "rings": ring_words(sets, rows, results),
-        "from_second": second_words(pairs),
         "effects_plot": _plot(rows),
         "effects": tables.effects(rows),
         "second": tables.second(pairs),
         "sufficient": tables.statements(verdicts, len(sets), OF_NO_JOINT),
         "all_sets": tables.sets(sets),
     }
-
-
-def quoted(statements: Sequence[str]) -> str:
-    """The words of statements in quotation marks."""
-    return " ".join(f"“{words}”" for words in statements)
-
-
-def splitting_words(splits: Sequence[Split]) -> str:
-    """The effects that make the halves differ as the words require, with their changes; "" if there are none."""
-    texts = [
-        f"{each.effect.name}, {each.strength} ({percent(each.pre, '+.1f')} before, {percent(each.post, '+.1f')} after,"
-        f" {counted(len(each.effect.choices), 'choice')})"
-        for each in splits
-    ]
-    return f"These effects make the halves differ as the words require, from this strength on: {'; '.join(texts)}." if texts else ""
 
 
 def symmetric_effects_differ(rows: Sequence[Row]) -> bool:
@@ -106,8 +86,9 @@ def odd_words(rows: Sequence[Row]) -> str:
     gap, name, strength = max((gap, name_of(effect), strength) for (effect, strength), gap in moved.items() if effect in FRICTION)
     none = "" if symmetric_effects_differ(rows) else "None of these moves the halves apart by more than the measurement leaves open. "
     return (
-        "A law that is odd in the gap and conserves energy cannot, because reversed time and a reflection map one half of the cycle onto"
-        f" the other. {none}Friction makes them differ in the opposite sense: {name}, {strength}: {percent(gap, '+.1f')}."
+        "A law that is odd in the gap and conserves energy cannot make the halves differ, because reversed time and a reflection map"
+        f" one half of the cycle onto the other. {none}Friction makes them differ in the opposite sense: {name}, {strength}:"
+        f" {percent(gap, '+.1f')}."
     )
 
 
@@ -167,19 +148,6 @@ def _gentle(rows: Sequence[Row], results: Sequence[CaseResult]) -> str:
         f" Gentle runs would, too: where a preload of {strongest.strength} exceeds the slider’s force it makes the joint linear, and the"
         f" difference between the halves is {gentle} ({counted(len(gaps[True]), 'run')}), otherwise {others} ({len(gaps[False])})."
     )
-
-
-def second_words(pairs: Sequence[tuple[Row, Row]]) -> str:
-    """Largest difference of a change of frequency between both formulations, and the number of changes; "" if there are none."""
-    differences = []
-    for confirmed, confirming in pairs:
-        for half in HALVES:
-            one, other = (row.changes(f"{half}_frequency") for row in (confirmed, confirming))
-            differences += [abs(one[run] - other[run]) for run in other if run in one]
-    if not differences:
-        return ""
-    changes = f"{len(differences)} changes of a frequency differ by {percent(max(differences), '.2f')} at most."
-    return f"A second formulation, {SECOND}, makes the same changes: {changes}"
 
 
 def _plot(rows: Sequence[Row]) -> Plot:

@@ -7,7 +7,7 @@ import numpy as np
 from quickreturn.cases.library.thesis.runs import RUNS, run_name
 from quickreturn.cases.measures.cycle import HALVES, consensus_of
 from quickreturn.plugins.thesis.experiment import channel_is_usable
-from quickreturn.reports.results.measured import MeasuredHalf
+from quickreturn.reports.page.content import MeasuredHalf
 
 
 def counts(item: MeasuredHalf) -> bool:

@@ -26,8 +26,7 @@ from quickreturn.plugins.thesis.runs import thesis_runs
 from quickreturn.plugins.thesis.scatter import Band
 from quickreturn.plugins.thesis.sufficiency import Split, splits
 from quickreturn.reference_model.mechanism import TorqueDrive
-from quickreturn.reports.page.content import Content, Subject
-from quickreturn.reports.results.runs import of_library
+from quickreturn.reports.page.content import Content, Subject, of_library
 from quickreturn.reports.words import percent, percents
 
 #: What speaks for the model that departs from the others.

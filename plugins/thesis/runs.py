@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from quickreturn.cases.library.thesis.runs import RUNS, run_name
 from quickreturn.cases.runs.comparison import CaseResult
-from quickreturn.reports.results.runs import of_library
+from quickreturn.reports.page.content import of_library
 
 
 def thesis_runs(results: Sequence[CaseResult]) -> dict[int, CaseResult]:

@@ -105,13 +105,6 @@ def sufficiency(sets: Sequence[Trial]) -> list[Sufficiency]:
     return verdicts
 
 
-def conflicting(verdicts: Sequence[Sufficiency], statement: str) -> list[str]:
-    """Words of the statements that some sets show, but none of the sets that show `statement` (its id); empty if no set shows that one."""
-    sets = next(verdict.sets for verdict in verdicts if verdict.statement.id == statement)
-    others = [verdict for verdict in verdicts if sets and verdict.sets]
-    return [verdict.statement.words for verdict in others if not any(trial in sets for trial in verdict.sets)]
-
-
 def _trial(row: Row, simulation: Row, choices: tuple[str, ...]) -> Trial:
     shares = {each.id: _SHARES.get(each.id, _relation)(each, simulation, row) for each in statements() if each.id not in OF_NO_JOINT}
     required = {each.id: each.share if each.kind in ("relation", "frequency") else TYPICALLY for each in statements()}

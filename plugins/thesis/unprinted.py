@@ -8,12 +8,10 @@ from quickreturn.plugins.thesis.effects import EXCESS
 from quickreturn.plugins.thesis.scatter import UNPRINTED, Band
 from quickreturn.reports.tables.cells import CASE
 from quickreturn.reports.tables.table import Column, Table
-from quickreturn.reports.words import HALF, counted, number, span
+from quickreturn.reports.words import HALF, number
 
 #: Share of the points up to which they do not make the halves differ.
 RARELY: Final = 0.05
-#: The run that the thesis describes most.
-EXAMPLE: Final = 24
 ENDS: Final = ("low", "median", "high")
 KINDS: Final = ("pre", "post", "strain")
 
@@ -28,18 +26,11 @@ def scatter_facts(recorded: Sequence[Band]) -> dict[str, Any]:
 
 def scatter_words(resolved: Sequence[Band]) -> str:
     """Whether the scatter of these quantities makes the halves differ, in runs that resolve both."""
-    example = next((band for band in resolved if band.run == EXAMPLE), None)
-    of_example = f"{span(example.ratio[0], example.ratio[2], '.3f')} times that before it in run {example.run}, and " if example else ""
-    medians, needed = sorted(band.ratio[1] for band in resolved), 1.0 / EXCESS
     compared, apart = (sum(getattr(band, key) for band in resolved) for key in ("compared", "apart"))
-    least = min(resolved, key=lambda band: band.ratio[0])
-    at_least = f" (least: {number(least.ratio[0], '.3f')}, run {least.run})" if least.ratio[0] <= needed else ""
-    so = "So these quantities do not make them differ. " if apart <= RARELY * compared else ""
+    so = " So these quantities do not make the halves differ." if apart <= RARELY * compared else ""
     return (
-        "Does an unprinted linear parameter make the halves differ? Over the assumed ranges below the frequency after the return is"
-        f" {of_example}{span(medians[0], medians[-1], '.3f')} times in the median of each of {counted(len(resolved), 'run')}. The words"
-        f" require a machine with at most {number(needed, '.3f')} times: {apart or 'none'} of {compared} points"
-        f" {'has' if apart == 1 else 'have'} this{at_least}. {so}A linear softness of the joint does not either (see the effects above)."
+        f"The words require a machine whose frequency after the return is at most {number(1.0 / EXCESS, '.3f')} times that before it:"
+        f" {apart or 'none'} of {compared} points {'has' if apart == 1 else 'have'} this.{so}"
     )
 
 

@@ -124,7 +124,7 @@ def compare(
         for result in results:
             click.echo(in_lines(parts_of_tables(result, tables_in(result))))
     if output:
-        from quickreturn.reports.drawing.recorded import drawn
+        from quickreturn.reports.drawing.cycle import drawn
 
         write_file(Path(output), drawn(results, Path(output).suffix.lower()))
     return _exit_code(results, engines)

@@ -1,1 +1,1 @@
-"""The chapters of a report: each is a module and a template of the same name; `page/chapters.py` gives their order."""
+"""The chapters of a report: functions, each with a template named for its chapter; `page/chapters.py` gives their order."""

@@ -1,27 +1,42 @@
 """Who agrees with whom: every comparison of two engines, with what both claim, and how small an error would show."""
 
+import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 
 from quickreturn.cases.measures.cycle import EXTREMES
-from quickreturn.cases.runs.comparison import CLASSES, REFERENCE, WORSE, CaseResult, Difference, Kind, not_judged
+from quickreturn.cases.runs.comparison import CLASSES, KINDS, REFERENCE, WORSE, CaseResult, Difference, Kind, not_judged
 from quickreturn.cases.runs.comparison import agreement as verdicts
 from quickreturn.reports.page.answer import answer_of
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.plot import Plot, Series
-from quickreturn.reports.results.engine_differences import Spread, cause, differences, engines_of, outward
-from quickreturn.reports.results.sharpness import Sharpness, sharpness
+from quickreturn.reports.results.engine_differences import cause, differences, engines_of, outward
 from quickreturn.reports.tables.cells import COMPARISON, QUANTITY_COLUMN, UNRESOLVABLE, compared
 from quickreturn.reports.tables.table import Cell, Column, Mark, Table
-from quickreturn.reports.words import QUANTITY, case_label, counted, in_words, listed, number, place, size, span
+from quickreturn.reports.words import QUANTITY, case_label, counted, in_words, listed, number, place, size
 
 #: Least difference over tolerance that is drawn; smaller ones are drawn here, because the logarithmic axis has no zero.
 LEAST_USED: Final = 1e-5
 #: Kinds of numbers whose sharpness the chapter gives -> the word for one of them.
 KINDS_GIVEN: Final[Mapping[Kind, str]] = {"frequency": "frequency", "extreme": "peak", "amplitude": "amplitude"}
+
+
+@dataclass(frozen=True)
+class Sharpness:
+    """Errors that the comparisons of one kind between two engines can find; errors and tolerances are relative."""
+
+    engine: str  # errors are planted in its numbers
+    other: str  # the engine that it is compared with
+    kind: Kind  # of numbers
+    compared: int  # how many
+    tolerance: float  # median of the tolerances, over the number itself; of an extreme over the channel's largest magnitude
+    used: float  # largest ratio of a measured difference to its tolerance
+    found_somewhere: float  # smallest planted error, of either sign, that at least one comparison finds
+    found_mostly: float  # smallest planted error, of either sign, that at least half of the comparisons find
 
 
 def agreement(content: Content) -> Chapter | None:
@@ -36,11 +51,8 @@ def agreement(content: Content) -> Chapter | None:
     of_kinds = {word: of_kind for kind, word in KINDS_GIVEN.items() if (of_kind := [one for one in sharp if one.kind == kind])}
     facts = {
         "checks": len(checks),
-        "against": against(answer.alike),
-        "largest": largest({"first-mode frequency": answer.frequency, "first-mode amplitude": answer.amplitude, "peak": answer.extreme}),
-        "sharpness": sharpness_sentences(of_kinds, max(one.used for one in sharp)) if of_kinds else "",
         "reasons": list(dict.fromkeys(result.reason for result in results if result.reason)),
-        "unjudged": [f"{name} is shown but not judged: {why}." for name, why in unjudged.items()],
+        "unjudged": unjudged,
         "plot": _used(results) if checks else None,
         "sharp": sharp_table(sharp),
         "map": run_map(results),
@@ -72,55 +84,17 @@ def finding(agreement: Mapping[str, int], alike: Sequence[str], sharpness: Mappi
         text = f"{counted(compared, 'comparison')} say nothing: what is claimed is too wide"
     else:
         every = "all " if agree == compared > 1 else ""
-        besides = f" ({silent} more say nothing)" if silent else ""
+        more = f" ({silent} more say nothing)" if silent else ""
         text = (
             f"{in_words(len(alike)).capitalize()} agree within what they claim in {every}{counted(agree, 'comparison')} with"
-            f" {alike[0]}{besides}, which would show an error of {_found(sharpness, 'found_somewhere')}"
+            f" {alike[0]}{more}, which would show an error of {_found(sharpness)}"
         )
     return text if cubic is None else f"{text}; the 1999 model’s frequency is {size(cubic)} off the converged one at worst"
 
 
-def _found(sharpness: Mapping[str, Sequence[Sharpness]], which: str) -> str:
-    """The smallest error that is found in each kind of numbers, in every engine; `which` of the fields of `Sharpness`."""
-    return listed([f"{size(max(getattr(row, which) for row in rows))} in every {word}" for word, rows in sharpness.items()], "or")
-
-
-def against(alike: Sequence[str]) -> str:
-    """Whom the engines that agree are compared with; "" if there are only two."""
-    if len(alike) < 3:
-        return ""
-    return f" Each engine is compared with {alike[0]}; {listed(alike[1:])} are not compared with each other."
-
-
-def largest(spreads: Mapping[str, Spread | None]) -> str:
-    """The largest differences among the engines that agree, by the kind of numbers; "" without one of the first kind."""
-    if not next(iter(spreads.values())):
-        return ""
-    texts = [f"{what} {_worst(spread)}" for what, spread in spreads.items() if spread]
-    return f" Largest differences among those that agree: {', '.join(texts)}."
-
-
-def _worst(spread: Spread) -> str:
-    worst = spread.worst
-    return f"{size(worst.relative)} ({place(worst.case, worst.half, worst.channel)})"
-
-
-def sharpness_sentences(sharpness: Mapping[str, Sequence[Sharpness]], most_used: float) -> str:
-    """How small an error shows; `most_used` is the largest difference over its tolerance."""
-    tolerances = {word: _range([row.tolerance for row in rows]) for word, rows in sharpness.items()}
-    medians = ", ".join(f"{text} of {'an' if word == 'amplitude' else 'a'} {word}" for word, text in tolerances.items())
-    return (
-        f"How sharp this test is: the median tolerance is {medians}. The largest difference uses {number(most_used, '.2f')} of its"
-        " tolerance. If the same relative error is planted in every run, as by a wrong factor, at least one comparison finds it from"
-        f" {_found(sharpness, 'found_somewhere')} on, and half of the comparisons from {_found(sharpness, 'found_mostly')} on, in each"
-        " engine compared. The test may miss a smaller error, or an error in a single run. It cannot find an error that all engines share."
-    )
-
-
-def _range(shares: Sequence[float]) -> str:
-    """The range of some fractions in percent, or one of them if they look alike."""
-    low, high = min(shares), max(shares)
-    return size(shares[0]) if size(low) == size(high) else f"{span(100.0 * low, 100.0 * high, '.2g')} %"
+def _found(sharpness: Mapping[str, Sequence[Sharpness]]) -> str:
+    """The smallest error that at least one comparison of each kind of numbers finds, in every engine."""
+    return listed([f"{size(max(row.found_somewhere for row in rows))} in every {word}" for word, rows in sharpness.items()], "or")
 
 
 def _why(results: Sequence[CaseResult], name: str) -> str:
@@ -306,6 +280,38 @@ def sharp_table(rows: Sequence[Sharpness]) -> Table:
     for row in rows:
         table.add(row)
     return table
+
+
+def sharpness(results: Sequence[CaseResult]) -> list[Sharpness]:
+    """The sharpness of every compared pair of engines and every kind of numbers."""
+    groups: dict[tuple[str, str, Kind], list[Difference]] = {}
+    kinds = {quantity: kind for kind, quantities in KINDS.items() for quantity in quantities}
+    for check in (check for result in results for check in result.checks if check.quantity in kinds):
+        groups.setdefault((check.engine, check.other, kinds[check.quantity]), []).append(check)
+    pairs = dict.fromkeys((engine, other) for engine, other, _ in groups)
+    return [_of(*pair, kind, groups[*pair, kind]) for pair in pairs for kind in KINDS if (*pair, kind) in groups]
+
+
+def smallest_found(check: Difference, sign: int) -> float:
+    """The smallest relative error of one sign (1 or -1) in the engine's number that the comparison finds; infinite if it finds none."""
+    change = sign * check.number.value
+    if not check.passed:
+        return 0.0
+    return (check.tolerance - math.copysign(1.0, change) * check.difference) / abs(change) if change != 0.0 else math.inf
+
+
+def _of(engine: str, other: str, kind: Kind, checks: Sequence[Difference]) -> Sharpness:
+    by_sign = [sorted(smallest_found(check, sign) for check in checks) for sign in (1, -1)]
+    return Sharpness(
+        engine,
+        other,
+        kind,
+        len(checks),
+        tolerance=float(np.median([check.tolerance / check.scale for check in checks])),
+        used=max(abs(check.difference) / check.tolerance if check.tolerance > 0.0 else np.inf for check in checks),
+        found_somewhere=max(errors[0] for errors in by_sign),
+        found_mostly=max(errors[(len(checks) - 1) // 2] for errors in by_sign),
+    )
 
 
 def classes(results: Sequence[CaseResult]) -> Table:

@@ -32,7 +32,7 @@ def drive(content: Content) -> Chapter | None:
     sections = [
         {
             "title": each.case.title,
-            "sentences": drive_sentences(each),
+            "flywheel": "" if each.case.mechanism.crank_is_free else drive_sentences(each)[1],
             "harmonics": harmonics_plot(each),
             "forces": {bearing: plot for force, bearing in BEARINGS.items() if (plot := force_plot(each, force))},
         }

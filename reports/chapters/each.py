@@ -2,13 +2,12 @@
 
 from quickreturn.cases.measures.catalogue import IN_TABLES, MEASURES
 from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.runs.comparison import CaseResult, Difference
+from quickreturn.cases.runs.comparison import CaseResult
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
-from quickreturn.reports.results.engine_differences import outward
 from quickreturn.reports.tables.cells import measure_cells, measure_column, status_cell
 from quickreturn.reports.tables.table import Column, ColumnList, Table
-from quickreturn.reports.words import HALF, QUANTITY, channel_name, cost, counted, percent
+from quickreturn.reports.words import channel_name, cost, counted
 
 
 def run_by_run(content: Content) -> Chapter:
@@ -18,7 +17,7 @@ def run_by_run(content: Content) -> Chapter:
             "case": result.case,
             "notes": [f"{note[:1].upper()}{note[1:]}." for note in result.case.notes if note not in content.general_notes],
             "failures": result.failures,
-            "departures": [departure(*pair, checks) for pair, checks in result.departures.items()],
+            "departures": {" and ".join(pair): counted(len(checks), "number") for pair, checks in result.departures.items()},
             "table": case_table(result),
         }
         for result in content.results
@@ -30,17 +29,6 @@ def run_by_run(content: Content) -> Chapter:
 def finding(cases: int) -> str:
     """What the chapter shows."""
     return f"All signals{' of the run chosen above' if cases > 1 else ''}, engines overlaid"
-
-
-def departure(engine: str, other: str, checks: list[Difference]) -> str:
-    """The numbers in which two engines differ by more than they claim."""
-    return f"{engine} and {other} differ by more than they claim in {counted(len(checks), 'number')}: {'; '.join(map(_departs, checks))}."
-
-
-def _departs(check: Difference) -> str:
-    where = f"{QUANTITY[check.quantity]}, {HALF[check.half]}, {channel_name(check.channel)}"
-    difference = percent(outward(check.quantity, check.difference) / check.scale, "+.2f")
-    return f"{where} {difference} (claimed together {percent(check.tolerance / check.scale)})"
 
 
 def _others() -> str:

@@ -10,9 +10,8 @@ from quickreturn.cases.runs.request import Run
 from quickreturn.cases.shown import Unit
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reports.page.chapter import Chapter
-from quickreturn.reports.page.content import Content
+from quickreturn.reports.page.content import Content, MeasuredHalf
 from quickreturn.reports.results.engine_differences import engines_of
-from quickreturn.reports.results.measured import MeasuredHalf
 from quickreturn.reports.tables.cells import CASE, CHANNEL, COMPARISON, HALF_COLUMN, UNRESOLVABLE, compared
 from quickreturn.reports.tables.table import Cell, Column, ColumnList, Table
 from quickreturn.reports.words import channel_name, counted, listed, quantity

@@ -1,6 +1,6 @@
 """The cycle as the axis of pictures: from the slider's farthest place (0) over the quick return (0.5) to the next (1).
 
-Over it are drawn tip acceleration and the three surface strains, as in the thesis' figures A.1 to A.24.
+Over it are drawn tip acceleration and the three surface strains, as in the thesis' figures A.1 to A.24, or recorded tables.
 """
 
 from collections.abc import Mapping, Sequence
@@ -16,8 +16,23 @@ from matplotlib.patches import Patch
 
 from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.comparison import CaseResult
+from quickreturn.cases.runs.recorded import GROWING, VIBRATING
 from quickreturn.cases.runs.request import Run
-from quickreturn.reports.drawing.style import BAND, FONT_SIZE, SMALL, Array, legend_above, look, new_figure, note, padded, tidy
+from quickreturn.reference_model.columns import COLUMNS
+from quickreturn.reports.drawing.style import (
+    BAND,
+    FONT_SIZE,
+    SMALL,
+    Array,
+    all_looks,
+    legend_above,
+    look,
+    new_figure,
+    note,
+    padded,
+    picture,
+    tidy,
+)
 from quickreturn.reports.words import angle_text, number
 
 ACCELERATION: Final = "tip_acceleration"
@@ -27,6 +42,8 @@ TICKS: Final = (0.0, 0.25, 0.5, 0.75, 1.0)
 BEND_IN: Final = 1e-9  # a strain below this in a whole cycle is round-off of a follower that does not bend
 
 
+#: Largest number of columns of a recorded table that are drawn.
+MOST_PANELS: Final = 8
 #: Range of printed axis labels, SI: of the tip acceleration, and one for all strains.
 Printed = Mapping[str, tuple[float, float]]
 
@@ -77,6 +94,47 @@ def _limits(axes: Axes, curves: Sequence[Array], printed: tuple[float, float] | 
             note(axes, 0.99, 0.03, f"printed labels {number(bottom, '.3g')} to {number(top, '.3g')}", ha="right", va="bottom")
         low, high = wide
     axes.set_ylim(low, high)
+
+
+def drawn(results: Sequence[CaseResult], ending: str) -> bytes:
+    """The content of a picture file with the recorded tables of the results; `ending` is ".png", ".svg" or ".pdf"."""
+    return picture(draw_recorded(results), ending)
+
+
+def draw_recorded(results: Sequence[CaseResult]) -> Figure:
+    """Draw the columns of the tables of each result over the turn that is compared."""
+    names = [_names(result) for result in results]
+    figure = new_figure(1.2 + 1.25 * sum(map(len, names)))
+    panels = list(np.ravel(figure.subplots(sum(map(len, names)), 1, sharex=True, squeeze=False)))
+    styles = all_looks(list(dict.fromkeys(name for result in results for name in result.with_tables.runs)))
+    handles: dict[str, Artist] = {}
+    labels, place = [], 0
+    for result, shown in zip(results, names, strict=True):
+        units = {name: result.case.units.column(COLUMNS[name].unit) for name in shown}
+        for run in (run for run in result.with_tables.runs.values() if run.cycle and (run.usable or run.recording)):
+            style = styles[run.engine]
+            handles[run.engine] = Line2D([], [], label=_plain(run.engine), **style)
+            for axes, name in zip(panels[place:], shown, strict=False):
+                if name in run.cycle:
+                    axes.plot(fraction(run.cycle["crank_angle"]), run.cycle[name] / units[name].size, **style)
+        turn = next(iter(result.recorded.values())).approach.turn
+        note(panels[place], 0.01, 0.97, "steady state" if turn is None else f"turn {turn} from the standard start")
+        labels += [f"{name.replace('_', ' ')}\n({units[name].sign})" for name in shown]
+        place += len(shown)
+    stacked_panels(panels, labels, direction(next(iter(results[0].recorded.values()))))
+    legend_above(figure, list(handles.values()), 3)
+    return figure
+
+
+def _names(result: CaseResult) -> list[str]:
+    """The columns of a result's recorded tables that are drawn, those that show vibration first."""
+    names = [name for name in (*VIBRATING, *COLUMNS) if name not in GROWING and any(name in run.cycle for run in result.recorded.values())]
+    return list(dict.fromkeys(names))[:MOST_PANELS]
+
+
+def _plain(name: str) -> str:
+    """The name as plain text: matplotlib would read text between dollar signs as a formula, and hide names that begin with _."""
+    return name.replace("$", r"\$").lstrip("_")
 
 
 def fraction(crank_angle: Array) -> Array:

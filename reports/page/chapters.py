@@ -1,22 +1,20 @@
-"""The chapters of a report, in their order. Each is a module and a template in `reports/chapters/`."""
+"""The chapters of a report, in their order, and the last one, which lists all files. Templates are in `reports/chapters/`."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
 from quickreturn.reports.chapters.agreement import agreement
 from quickreturn.reports.chapters.drive import drive
 from quickreturn.reports.chapters.each import run_by_run
-from quickreturn.reports.chapters.files import files
-from quickreturn.reports.chapters.next import next_steps
+from quickreturn.reports.chapters.own import next_steps, strength, turn
 from quickreturn.reports.chapters.provenance import provenance
 from quickreturn.reports.chapters.recorded import recorded
 from quickreturn.reports.chapters.runs import runs
-from quickreturn.reports.chapters.strength import strength
-from quickreturn.reports.chapters.turn import turn
 from quickreturn.reports.page.chapter import Chapter, MakeChapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.part import parts
-from quickreturn.reports.tables.table import Table
+from quickreturn.reports.tables.table import Column, Table
+from quickreturn.reports.words import counted
 
 #: Chapters of the core with their ranks, by which the page orders them, and those of plugins: first the user's own machine, and the next
 #: steps; a chapter of a subject may have another rank there (`Content.ranks`).
@@ -44,3 +42,26 @@ def chapters_of(content: Content) -> Iterator[Chapter]:
             tables += chapter.tables
             yield chapter
     yield files(content, tables)
+
+
+def files(content: Content, tables: Sequence[Table]) -> Chapter:
+    """The chapter on the tables of all other chapters."""
+    about = {"date": content.facts.get("date", ""), "code": content.code}
+    return Chapter("files", "Tables as files", files_finding(len(tables)), {"table": catalogue(tables, about)})
+
+
+def files_finding(tables: int) -> str:
+    """The number of files."""
+    return f"{counted(tables, 'table')} as CSV beside this page, full precision, SI units"
+
+
+def catalogue(tables: Sequence[Table], about: Mapping[str, str]) -> Table:
+    """All CSV files beside the page; `about`: texts that each row of the file has, by heading."""
+    table = Table(
+        "tables",
+        "Every table of this report as a CSV file beside this page, in full precision and SI units.",
+        ("file", Column("rows", form="d"), "what", *(Column(key, in_page=False) for key in about)),
+    )
+    for each in tables:
+        table.add(file=each.file, rows=len(each.rows), what=each.caption, **about)
+    return table

@@ -6,7 +6,10 @@ from functools import cached_property
 from types import MappingProxyType
 from typing import Any, ClassVar, TypeVar
 
+from quickreturn.cases.case import Case
 from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.measures.cycle import ChannelMeasures
+from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.recorded import RecordedTable
 from quickreturn.cases.runs.comparison import CaseResult
 from quickreturn.cases.runs.endings import Ending
@@ -14,10 +17,19 @@ from quickreturn.cases.runs.request import Run
 from quickreturn.engines.registry import MAIN
 from quickreturn.reports.page.chapter import MakeChapter
 from quickreturn.reports.results.loads import CaseLoads, loads_of_case
-from quickreturn.reports.results.measured import MeasuredHalf, measured_halves
 from quickreturn.reports.verification import Verification
 
 T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class MeasuredHalf:
+    """One half of a recorded table's measured turn, in one channel, beside the engines."""
+
+    case: Case
+    table: Run  # the recorded table
+    measure: ChannelMeasures  # of the table
+    engines: Mapping[str, ChannelMeasures]  # engine -> the same measure of its cycle
 
 
 @dataclass(frozen=True)
@@ -77,7 +89,7 @@ class Content:
 
     def has(self, name: str) -> bool:
         """Whether a case of the library is among those of the report."""
-        return any(result.case.name == name and result.case.source == "library" for result in self.results)
+        return of_library(self.results, name) is not None
 
     @classmethod
     def recordings(cls) -> list[RecordedTable]:
@@ -114,3 +126,20 @@ class Content:
     def troubles(self) -> list[tuple[str, Run]]:
         """Runs that are not simply settled, each with the name of its case."""
         return [(result.case.name, run) for result in self.results for run in result.runs.values() if run.status != Ending.SETTLED]
+
+
+def of_library(results: Sequence[CaseResult], name: str) -> CaseResult | None:
+    """The result of a case of the library, if it is among the cases shown. A user's case file of the same name does not count."""
+    return next((result for result in results if result.case.name == name and result.case.source == "library"), None)
+
+
+def measured_halves(results: Sequence[CaseResult]) -> list[MeasuredHalf]:
+    """All recorded tables that can be compared with the engines, both halves of each channel."""
+    halves = []
+    for result in results:
+        for table in (run for run in result.recorded.values() if run.usable):
+            for measure in (measure for measure in table.measured.measures if measure.channel in CHANNELS):
+                same = {name: run.measure(measure.half, measure.channel) for name, run in result.runs.items() if run.usable}
+                engines = {name: of_engine for name, of_engine in same.items() if of_engine is not None}
+                halves.append(MeasuredHalf(result.case, table, measure, engines))
+    return halves

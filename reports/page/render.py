@@ -1,8 +1,10 @@
 """Combines templates, style, script and data into one self-contained file."""
 
 from collections.abc import Mapping, Sequence
+from functools import cache
 from typing import Any, Final
 
+from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from quickreturn.cases.case import Case
@@ -16,11 +18,13 @@ from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.first_screen import Figure, agreement_screen, machine_screen
 from quickreturn.reports.page.part import nearness_of, parts
 from quickreturn.reports.page.view import View, cycles, shown_first, trajectories
-from quickreturn.reports.templates import environment
+from quickreturn.reports.tables.table import csv_text
 
 #: Parts of every page's script, in their order, and further parts for a page with chapters.
 SCRIPT: Final = ("unpack.js", "motion.js", "stage.js", "curve.js", "page.js", "paper.js")
 OF_CHAPTERS: Final = ("tables.js", "marks.js", "chart.js", "plots.js", "choice.js")
+#: Functions of `reports.words` that templates call.
+WORDS: Final = ("number", "percent", "counted", "listed", "case_label")
 #: Short description of an engine for a reader.
 KINDS: Final = {
     "thesis": "one curve, 1999",
@@ -34,6 +38,21 @@ KINDS: Final = {
     "moving-boundaries": "two moving spans",
     "derived": "by computer",
 }
+
+
+@cache
+def environment(packages: tuple[str, ...] = ()) -> Environment:
+    """The Jinja environment of these templates and those of other packages; inserted values are plain text to a browser.
+
+    Each template is compiled once in a process.
+    A template of the page goes by its name in `templates`, any other one by its path in its package: `chapters/ID.html`.
+    """
+    loader = ChoiceLoader([PackageLoader("quickreturn.reports"), *(PackageLoader(each, "") for each in ("quickreturn.reports", *packages))])
+    jinja = Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    jinja.globals |= {name: getattr(words, name) for name in WORDS}
+    jinja.filters["csv"] = csv_text
+    jinja.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
+    return jinja
 
 
 def rendered(template: str, view: View, more: tuple[str, ...] = (), packages: tuple[str, ...] = (), **values: Any) -> str:

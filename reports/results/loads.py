@@ -12,7 +12,6 @@ from quickreturn.cases.measures.number import Number
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.shown import Unit, Units
 from quickreturn.cases.units import in_si
-from quickreturn.reports.results.runs import settled_speed
 from quickreturn.reports.words import TIED, degrees, number, off_by, percent, quantity, size
 
 if TYPE_CHECKING:
@@ -124,6 +123,18 @@ class CaseLoads:
         stress = {name: loads.stress.largest.value for name, loads in same.items() if loads.stress is not None}
         lead = stress.pop(self.lead, 0.0)
         return {name: value / lead - 1.0 for name, value in stress.items()} if lead else {}
+
+
+def settled_speed(result: "CaseResult") -> float | None:
+    """Mean crank speed (rad/s) of the settled motion by `reference`, or else by the first engine that has one; None without one."""
+    usable = {name: run for name, run in result.runs.items() if run.usable}
+    return mean_crank_speed(usable.get("reference", next(iter(usable.values())))) if usable else None
+
+
+def mean_crank_speed(run: "Run") -> float:
+    """Mean crank speed over a run's cycle, rad/s."""
+    angle, time = run.cycle["crank_angle"], run.cycle["time"]
+    return float(angle[-1] - angle[0]) / float(time[-1] - time[0])
 
 
 def loads_of_case(result: "CaseResult") -> CaseLoads:

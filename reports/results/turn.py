@@ -21,8 +21,7 @@ from quickreturn.cases.runs.comparison import REFERENCE, CaseResult
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.cases.runs.request import Run
 from quickreturn.engines.relative import rms
-from quickreturn.reports.results.loads import from_p, tension_or_compression
-from quickreturn.reports.results.runs import mean_crank_speed
+from quickreturn.reports.results.loads import from_p, mean_crank_speed, tension_or_compression
 from quickreturn.reports.words import TIED, counted, degrees, in_words, listed, number, off_by, percent, quantity, size
 
 #: Relative difference of the strokes' durations below which they count as alike.

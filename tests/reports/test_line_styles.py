@@ -12,8 +12,7 @@ from quickreturn.engines.registry import MAIN, own_engines
 from quickreturn.plugins.methods.rivals import RIVALS
 from quickreturn.reports.drawing.style import all_looks
 from quickreturn.reports.line_styles import ENGINES, SIGNALS, looks
-from quickreturn.reports.page.render import KINDS
-from quickreturn.reports.templates import environment
+from quickreturn.reports.page.render import KINDS, environment
 
 STYLE = environment().get_template("style.css").render(engines=(), looks={})
 LIGHT, DARK = (dict(re.findall(r"--([\w-]+): (#\w+)", block)) for block in re.findall(r"{([^}]*--ground[^}]*)}", STYLE)[:2])

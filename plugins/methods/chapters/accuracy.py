@@ -13,14 +13,14 @@ from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.plugins.methods.accuracy import BothStarts, Prescribed
 from quickreturn.plugins.methods.data import studies_of
 from quickreturn.plugins.methods.trials.trial import Trial
-from quickreturn.plugins.methods.trials.truth import CONFIRMED, Truth, confirms
+from quickreturn.plugins.methods.trials.truth import Truth, confirms
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.plot import Plot, Series
 from quickreturn.reports.results.engine_differences import engines_of
 from quickreturn.reports.tables.cells import CASE
 from quickreturn.reports.tables.table import Cell, Column, ColumnList, Table
-from quickreturn.reports.words import cost, counted, number, percent, settings_words, short_name, size, times
+from quickreturn.reports.words import cost, number, settings_words, short_name, size
 
 #: Columns of the errors, with their headings.
 _ERRORS: Final = tuple(Column(name, short_name(name), "%", ".2g", group="error") for name in ESTIMATED)
@@ -39,10 +39,8 @@ def accuracy(content: Content) -> Chapter | None:
     orbit_table = orbits(content.results, marching)
     if studies is None and not orbit_table.rows:
         return None
-    saved = _saved(orbit_table)
     facts: dict[str, Any] = {
         "studies": studies is not None,
-        "saved": saved and saved_words(saved),
         "orbits": orbit_table,
         "solve_times": solve_times(content.results),
     }
@@ -53,9 +51,7 @@ def accuracy(content: Content) -> Chapter | None:
         facts |= {
             "failures": studies.failures,
             "converged": converged is not None,
-            "confirming": [(confirms(run), confirming_words(converged, run)) for run in studies.confirming] if converged else [],
-            "changed": prescribed_words(studies.prescribed) if studies.prescribed else "",
-            "marched": both_starts_words(studies.both_starts),
+            "confirming": {run.engine: confirms(run) for run in studies.confirming} if converged else {},
             "plot": _convergence(studies.convergence),
             "accuracy": accuracy_table(studies.accuracy),
             "of_record": record,
@@ -64,7 +60,8 @@ def accuracy(content: Content) -> Chapter | None:
             "both_starts": both_starts(studies.both_starts),
             "prescribed": studies.prescribed and converged and prescribed(studies.prescribed, converged),
         }
-    return Chapter("accuracy", "Accuracy and cost", finding(errors, saved["work"] if saved else None), facts)
+    work = [float(cycles) for row in orbit_table.rows if isinstance(cycles := row["cycles_of_work"].value, (int, float))]
+    return Chapter("accuracy", "Accuracy and cost", finding(errors, float(np.median(work)) if work else None), facts)
 
 
 def finding(errors: Mapping[str, float], work: float | None) -> str:
@@ -73,52 +70,6 @@ def finding(errors: Mapping[str, float], work: float | None) -> str:
         texts = [f"{size(error)} ({name})" for name, error in errors.items()]
         return f"At default accuracy run 24’s tip deflection is off by {', '.join(texts)}"
     return "" if work is None else f"The search for the steady state takes the work of {number(work, '.3g')} cycles"
-
-
-def confirming_words(converged: Truth, run: Trial) -> str:
-    """Whether another engine confirms the converged solution."""
-    verb = "confirm" if confirms(run) else "do not confirm"
-    return (
-        f"The converged solution of run 24 ({converged.engine}) and that of {run.engine} differ by {_off(run.errors)} in the tip"
-        f" deflection: they {verb} each other to {percent(CONFIRMED)}."
-    )
-
-
-def _off(errors: Mapping[str, float | None]) -> str:
-    """The error of the tip deflection."""
-    error = errors.get("tip_deflection")
-    return "an unknown error" if error is None else size(error)
-
-
-def prescribed_words(study: Prescribed) -> str:
-    """The change by a prescribed crank speed, and the errors of the models that need one: with a linear beam, and with foreshortening."""
-    texts = [f"A prescribed crank speed alone changes run 24’s tip deflection by {_off(study.changed)}."]
-    for place, run in enumerate(study.runs):
-        which, why = (" with foreshortening", "") if place else (", which takes no driven crank,", ", the error of its linear beam")
-        estimate = run.claim
-        integration = "" if estimate is None else f", and its integration by {size(estimate)}, as it estimates itself"
-        texts.append(f"{run.engine}{which} is off by {_off(run.errors)} at this speed{why}{integration}.")
-    return " ".join(texts)
-
-
-def saved_words(saved: Mapping[str, float]) -> str:
-    """What a direct search for the steady state saves; `saved` as by `_saved`."""
-    runs, settled, gone = counted(round(saved["runs"]), "run"), times(saved["settled"]), times(saved["gone"])
-    return (
-        f"The direct search for the steady state takes the work of {number(saved['work'], '.3g')} cycles in the median of {runs}. Marching"
-        f" to {number(SETTLED_AT, 'g')} takes {settled} as many, to {number(GONE_AT, 'g')} {gone}."
-    )
-
-
-def both_starts_words(studied: Sequence[BothStarts]) -> str:
-    """For each engine that marched from both starts: its cycles, and whether the last ones differ."""
-    texts = []
-    for both in studied:
-        left = (both.orbit.approach.settling_error or 0.0) + (both.straight.approach.settling_error or 0.0)
-        more = "no more" if both.difference <= left else "more"
-        cycles = f"{both.orbit.approach.cycles} and {both.straight.approach.cycles} cycles"
-        texts.append(f"{both.engine} in {cycles}, {size(both.difference)} apart ({more} than the remaining change that both state)")
-    return "; ".join(texts)
 
 
 def _convergence(trials: Sequence[Trial]) -> Plot | None:
@@ -132,16 +83,6 @@ def _convergence(trials: Sequence[Trial]) -> Plot | None:
         texts = [f"{modes} modes: {size(error)}" for modes, error in errors.items()]
         series.append(Series(name.replace("_", " "), name, [*errors], [100.0 * error for error in errors.values()], texts))
     return Plot("convergence.csv", "modes", "error, RMS over RMS [%]", series, "y")
-
-
-def _saved(orbit_table: Table) -> dict[str, float] | None:
-    """Median work of a direct search, in cycles, and the ratio of the cycles of marching to it."""
-    keys = ("cycles_of_work", "cycles_to_settled", "cycles_to_gone")
-    work, settled, gone = (np.array([row[key].value for row in orbit_table.rows], dtype=float) for key in keys)
-    if not len(work):
-        return None
-    ratios = {"settled": settled / work, "gone": gone / work}
-    return {"work": float(np.nanmedian(work)), "runs": len(work), **{name: float(np.nanmedian(ratio)) for name, ratio in ratios.items()}}
 
 
 def accuracy_table(runs: Sequence[Trial]) -> Table:

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-from quickreturn.plugins.methods.classes.grid import CENTRE, ROWS, TURNS, grid, name_of
+from quickreturn.plugins.methods.classes.grid import CENTRE, TURNS, grid, name_of
 from quickreturn.plugins.methods.classes.groups import MEANINGS
 from quickreturn.plugins.methods.classes.map import STATUSES, TIMES, Map
 from quickreturn.plugins.methods.classes.measurement import LEVELS, LIMIT, REACHED
@@ -18,7 +18,7 @@ from quickreturn.reports.long_studies import about
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.tables.table import Cell, Column, Table
-from quickreturn.reports.words import counted, duration, listed, number, percent, size, times, won
+from quickreturn.reports.words import counted, duration, number, percent, size, times, won
 
 #: Strength of the winner's colour in a cell, %: for a runner-up that is as fast, and for one that takes ten times as long or more.
 _PALE, _FULL = 8, 34
@@ -60,7 +60,7 @@ def classes(content: Content) -> Chapter | None:
         "winners": [winners_words(each, scenes) for each in winners],
         "own": own,
         "meanings": MEANINGS,
-        "sharp": sharp_words(class_map),
+        "blunt": blunt(class_map),
         "limit": LIMIT,
         "maps": [(f"{by}, to {percent(level, 'g')}", map_table(class_map, level, by)) for by in TIMES for level in LEVELS],
         "failing": failing(class_map),
@@ -109,14 +109,9 @@ def winners_words(winners: Winners, scenes: int) -> str:
     return f"{winners.by}, to {percent(winners.level, 'g')}: {_won(winners.wins)}{f'; {unwon} nobody wins' if unwon else ''}."
 
 
-def sharp_words(class_map: Map) -> str:
-    """How well the solutions are known against which errors are measured."""
-    differences = [scene.difference for scene in class_map.scenes if scene.difference is not None]
-    blunt = [scene.name for scene in class_map.scenes if scene.difference is None or scene.difference > 0.1 * LEVELS[-1]]
-    agrees = f"; a second formulation agrees with it to {size(max(differences))} or better" if differences else ""
-    care = "it is missing, or differs by more than a tenth of the smaller error: use the numbers there with care."
-    errors = f"Errors are those of the tip deflection, RMS over {ROWS} rows, against a converged solution"
-    return f"{errors}{agrees}.{f' In {listed(blunt)} {care}' if blunt else ''}"
+def blunt(class_map: Map) -> list[str]:
+    """Scenes whose solution no second formulation confirms to a tenth of the smaller error."""
+    return [scene.name for scene in class_map.scenes if scene.difference is None or scene.difference > 0.1 * LEVELS[-1]]
 
 
 def winners_of(class_map: Map, level: float, by: str) -> Winners:

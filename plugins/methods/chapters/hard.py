@@ -49,7 +49,6 @@ def hard_scenes(content: Content) -> Chapter | None:
     facts = {
         "of_record": record,
         "requested": REQUESTED,
-        "judged": judged_words(any(cell.of_own_equations for cell in _checked(matrix))),
         "silently_wrong": [f"{cell.engine} in {cell.scene}" for cell in matrix.silently_wrong],
         "missing": f"{counted(missing, 'cell')} of the matrix {'has' if missing == 1 else 'have'} not been computed." if missing else "",
         "meanings": MEANINGS,
@@ -74,17 +73,6 @@ def finding(matrix: Matrix) -> str:
     told = f"{counted(wrong, 'claim')} did not hold" if wrong else "none silently wrong"
     against = f", {own} of them against a model’s own equations" if own else ""
     return f"Of {counted(len(matrix.cells), 'cell')} {', '.join(texts)}; {told} of {len(checked)} claims that could be checked{against}"
-
-
-def judged_words(own_equations: bool) -> str:
-    """How the cells are judged; `own_equations`: whether the claims of the thesis' model could be checked."""
-    own = f"; the claims of {MODEL}, which are about its own equations, against a converged solution of these" if own_equations else ""
-    return (
-        "Each scene is run 24 with a change that makes it hard, or an ordinary machine with a stiff arm. Every engine is asked for a tip"
-        f" deflection with an error of {percent(REQUESTED, '.0f')} and judged from its own runs: their difference from runs with coarser"
-        " and finer settings, their energy balance, and contradictions with other engines. These tests do not use the right answer;"
-        f" afterwards every claim is checked against a converged solution{own}."
-    )
 
 
 def _checked(matrix: Matrix) -> list[Judged]:

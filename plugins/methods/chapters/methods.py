@@ -4,18 +4,17 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
-from quickreturn.engines.registry import engine
 from quickreturn.plugins.methods.benchmark import SCENES, Benchmark, Compiling
 from quickreturn.plugins.methods.chapters import methods_tables as tables
 from quickreturn.plugins.methods.data import benchmarks_of, compiling_of
 from quickreturn.plugins.methods.fastest import Fastest, fastest_in, is_own
-from quickreturn.plugins.methods.trials.queries import LEVELS, fastest_at, observed_order, pareto_front, soonest_at
+from quickreturn.plugins.methods.trials.queries import LEVELS, fastest_at, pareto_front, soonest_at
 from quickreturn.plugins.methods.trials.trial import Trial
 from quickreturn.plugins.methods.trials.truth import CONFIRMED, confirms
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.plot import Plot, Series
-from quickreturn.reports.words import case_label, counted, duration, number, percent, size, times, won
+from quickreturn.reports.words import case_label, duration, percent, size
 
 #: Labels of the horizontal axes of errors.
 SOLVE_TIME: Final = "solve time [s]"
@@ -29,7 +28,7 @@ def methods(content: Content) -> Chapter | None:
     if not benchmarks:
         return None
     contests = [(benchmark, level) for benchmark in benchmarks for level in LEVELS]
-    first, levels = benchmarks[0], [fastest_in(benchmarks[0], level) for level in LEVELS]
+    first, example = benchmarks[0], fastest_in(benchmarks[0], LEVELS[1])
     firsts = _wins(list(fastest_at(benchmark.trials, level)) for benchmark, level in contests)
     soonest = _wins([name for name, _ in soonest_at(benchmark.trials, level)] for benchmark, level in contests)
     winner = next(iter(firsts), "")
@@ -39,8 +38,6 @@ def methods(content: Content) -> Chapter | None:
     facts = {
         "of_record": record,
         "first": first,
-        "results": [*map(level_words, levels), order_words(first), *model_words(benchmarks)],
-        "contests": contest_words(len(contests), firsts, soonest),
         "own": own,
         "missing": [name for name in SCENES if name not in {benchmark.case for benchmark in benchmarks}],
         "confirmed": CONFIRMED,
@@ -62,7 +59,7 @@ def methods(content: Content) -> Chapter | None:
         "trials": tables.trials(benchmarks),
         "machine": ", ".join(f"{name}: {words}" for name, words in first.machine.items()),
     }
-    text = finding(len(contests), firsts, soonest, own, levels[1], waiting_words(waiting, compiled) if waiting else "")
+    text = finding(len(contests), firsts, soonest, own, example, waiting_words(waiting, compiled) if waiting else "")
     return Chapter("methods", "Which method excels", text, facts)
 
 
@@ -102,49 +99,6 @@ def waiting_words(trial: Trial, compiled: Compiling | None) -> str:
     if compiled is None:
         return text
     return f"{text}{',' if estimate is None else ''} and once {duration(compiled.compile_seconds)} for compilation"
-
-
-def level_words(found: Fastest) -> str:
-    """The fastest methods to an error, with their times."""
-    begin = f"To {percent(found.level, 'g')} of {case_label(found.case)}’s tip deflection"
-    if not found.solve_times:
-        return f"{begin}: no method reaches it with these ladders."
-    (name, fastest), *others = found.solve_times
-    texts = [f"{name} {duration(fastest)}"]
-    texts += [f"{other} {duration(seconds)} ({times(seconds / fastest)} as long)" for other, seconds in others]
-    return f"{begin}: {', '.join(texts)}."
-
-
-def order_words(benchmark: Benchmark) -> str:
-    """The observed orders of the methods in a scene."""
-    orders = {name: observed_order(benchmark.trials, name) for name in tables.methods_of([benchmark])}
-    texts = [f"{name} {number(order, '.1f')}" for name, order in orders.items() if order is not None]
-    return f"Observed order of the error in the degrees of freedom, {case_label(benchmark.case)}: {', '.join(texts)}."
-
-
-def model_words(benchmarks: Sequence[Benchmark]) -> list[str]:
-    """A sentence for each method that solves equations of its own: the least error of its settings, which is that of its model."""
-    errors: dict[str, dict[str, float]] = {}
-    for benchmark in benchmarks:
-        for trial in benchmark.trials:
-            if engine(trial.engine).estimates == "integration" and (error := trial.error) is not None:
-                of_method = errors.setdefault(trial.method, {})
-                of_method[benchmark.case] = min(error, of_method.get(benchmark.case, error))
-    sentences = []
-    for name, of_scenes in errors.items():
-        (first, least), *others = ((case_label(scene), size(error)) for scene, error in of_scenes.items())
-        left = [f"{least} are left in {first}", *(f"{error} in {scene}" for scene, error in others)]
-        sentences.append(f"Finer settings do not help {name}: {', '.join(left)}. This is the error of the model.")
-    return sentences
-
-
-def contest_words(contests: int, firsts: Mapping[str, int], soonest: Mapping[str, int]) -> str:
-    """The winners of all contests by solve time and by waiting time."""
-    unwon = contests - sum(firsts.values())
-    nobody = f"in {unwon} no method reaches the error" if unwon else "each has a winner"
-    by_waiting = f"By waiting time (set-up, solution and error estimate): {won(soonest)}."
-    waited = by_waiting if soonest else "The time of the error estimates was not measured here."
-    return f"The fastest solver in {counted(contests, 'contest')}: {won(firsts)}; {nobody}. {waited}"
 
 
 def mark_words(waited: bool) -> str:

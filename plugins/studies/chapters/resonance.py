@@ -25,7 +25,7 @@ def resonance(content: Content) -> Chapter | None:
     if not machines:
         return None
     facts = {
-        "cases": [(each, " ".join(each.sentences), plot(each)) if each.curve else (each, "", None) for each in machines],
+        "cases": [(each, each.sentences[1], plot(each)) if each.curve else (each, "", None) for each in machines],
         "table": resonances(machines),
         "curve": resonance_curve(machines),
     }

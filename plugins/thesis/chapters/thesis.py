@@ -11,7 +11,7 @@ from quickreturn.cases.measures.time_scale import CHANNELS
 from quickreturn.cases.runs.comparison import CaseResult, Difference, Kind
 from quickreturn.engines.registry import MODEL
 from quickreturn.plugins.thesis.axes import axis_comparisons, fits_worse
-from quickreturn.plugins.thesis.conclusions import CANNOT_FOLLOW, HOLDS, IN_PART, NOT, OUTCOMES, SAME_EFFECT, Conclusion
+from quickreturn.plugins.thesis.conclusions import HOLDS, IN_PART, NOT, OUTCOMES, SAME_EFFECT, Conclusion
 from quickreturn.plugins.thesis.effects import effect_facts, symmetric_effects_differ, tightened_words
 from quickreturn.plugins.thesis.experiment.stiffness import StiffnessReading, stiffness_reading
 from quickreturn.plugins.thesis.page_data import ThesisData
@@ -35,15 +35,11 @@ def thesis(content: ThesisData) -> Chapter:
     fitted = [difference.relative for difference in compared]
     of_halves = {half: [difference.ratio for difference in compared if difference.half == half] for half in HALF}
     facts = {
-        "model_error": model_error_words(fits_worse(axis_comparisons(results))),
+        "worse": fits_worse(axis_comparisons(results)),
         "of_record": about("finding"),
         **effect_facts(content.finding, results),
         "of_record_scatter": about("unprinted"),
         **scatter_facts(content.bands),
-        "words": [
-            ("Cannot follow from the model:", [each.statement.words for each in conclusions if each.outcome == CANNOT_FOLLOW]),
-            ("Not borne out by the numbers:", [each.statement.words for each in conclusions if each.outcome == NOT]),
-        ],
         "stiffness": stiffness_words(stiffness_reading(fitted)),
         "ratios": ratios(results),
         "statements": statements(conclusions),
@@ -94,16 +90,6 @@ def _stiffness(ratios: Mapping[str, Sequence[float]]) -> str:
     return (
         f"Its one cubic is too {stiff} before and after the return{alike} ({number(pre, '.2f')} and {number(post, '.2f')} times the"
         f" converged frequency, medians of {len(ratios['pre'])} and {len(ratios['post'])} runs that resolve it)"
-    )
-
-
-def model_error_words(worse: bool) -> str:
-    """What the model error is; `worse`: whether the converged model fits the axes of the figures worse than the single cubic."""
-    better = "the axes of the figures are the only contact with the measurement that is left, and there the cubic fits better"
-    cubic = f": {better} (see The experiment)" if worse else ""
-    return (
-        "The reference is the same approach, converged. Their difference is the model error of the single cubic: the error that the thesis’"
-        f" author would have seen if the machine moved as the converged model does. Whether it does is open{cubic}."
     )
 
 

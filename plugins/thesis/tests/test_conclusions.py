@@ -21,7 +21,7 @@ from quickreturn.plugins.thesis.modes import (
 from quickreturn.plugins.thesis.tests.made_up_finding import made_up_finding
 from quickreturn.reports.page.answer import answer_of
 from quickreturn.reports.page.chapters import chapters_of
-from quickreturn.reports.results.measured import MeasuredHalf, measured_halves
+from quickreturn.reports.page.content import MeasuredHalf, measured_halves
 from tests.changed_run import changed_run
 from tests.reports.pages import content_of
 from tests.reports.plotted_results import with_table

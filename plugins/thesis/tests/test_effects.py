@@ -3,24 +3,12 @@
 import dataclasses
 from typing import Any
 
-from quickreturn.plugins.thesis.effects import odd_words, quoted, ring_words, second_words, set_words, splitting_words, tightened_words
-from quickreturn.plugins.thesis.finding.effects import effects
-from quickreturn.plugins.thesis.finding.study import CONFIRMED_RUNS, SECOND, Row
+from quickreturn.plugins.thesis.effects import odd_words, ring_words, set_words, tightened_words
+from quickreturn.plugins.thesis.finding.study import Row
 from quickreturn.plugins.thesis.records import finding
-from quickreturn.plugins.thesis.sufficiency import Split, trials
+from quickreturn.plugins.thesis.sufficiency import trials
 from quickreturn.plugins.thesis.tests.made_up_finding import made_up_finding
 from tests.reports.pages import plain
-
-
-def test_effects_that_split_the_halves_are_listed_with_their_choices() -> None:
-    (effect,) = (each for each in effects() if each.id == "post-side")
-    two, one = (dataclasses.replace(effect, choices=choices) for choices in (("side", "stiffness"), ("side",)))
-    begin = "These effects make the halves differ as the words require, from this strength on:"
-    first = f"{effect.name}, 20 kN/m (+0.2 % before, −2.0 % after, 2 choices)"
-    assert plain(splitting_words([Split(two, "20 kN/m", 0.002, -0.0204)])) == f"{begin} {first}."
-    both = [Split(two, "20 kN/m", 0.002, -0.0204), Split(one, "10 kN/m", 0.003, -0.03)]
-    assert plain(splitting_words(both)) == f"{begin} {first}; {effect.name}, 10 kN/m (+0.3 % before, −3.0 % after, 1 choice)."
-    assert splitting_words([]) == ""
 
 
 def moved(rows: list[Row], effect: str) -> list[Row]:
@@ -51,21 +39,6 @@ def test_frequencies_at_the_return_tell_clearance_from_a_soft_roller() -> None:
     assert told.endswith("clearance rings at 134 Hz, a soft roller at 60 to 80 Hz (strongest from 60 to 200 Hz); section 3.4 read 132 Hz.")
     silent = [dataclasses.replace(row, example=()) for row in study]
     assert ring_words(trials(silent), silent, []) == ""
-
-
-def test_the_second_formulation_is_held_against_the_first() -> None:
-    first = next(row for row in made_up_finding() if (row.effect, row.engine) == ("linear", "reference"))
-    pre, post = ([values[run - 1] for run in CONFIRMED_RUNS] for values in (first.pre_frequency, first.post_frequency))
-    second = dataclasses.replace(first, engine=SECOND, pre_frequency=tuple(pre), post_frequency=tuple((each or 0) + 7 for each in post))
-    number = sum(each is not None for each in (*pre, *post))
-    told = "A second formulation, mujoco, makes the same changes: {} changes of a frequency differ by 0.07 % at most."
-    assert plain(second_words([(first, second)])) == told.format(number)
-    assert second_words([]) == ""
-
-
-def test_statements_are_quoted() -> None:
-    assert quoted(["one", "two"]) == "“one” “two”"
-    assert quoted([]) == ""
 
 
 def test_what_the_thesis_says_against_a_soft_roller_is_told_with_what_a_preload_leaves() -> None:

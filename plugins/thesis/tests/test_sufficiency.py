@@ -4,7 +4,7 @@ import dataclasses
 
 import pytest
 
-from quickreturn.plugins.thesis.sufficiency import Trial, conflicting, ratios, splits, sufficiency, trials
+from quickreturn.plugins.thesis.sufficiency import Trial, ratios, splits, sufficiency, trials
 from quickreturn.plugins.thesis.tests.made_up_finding import made_up_finding
 
 SETS = trials(made_up_finding())
@@ -40,9 +40,8 @@ def test_132_hz_with_its_signs_needs_a_vibration_that_would_be_seen() -> None:
     assert not any(each.shown["second-mode"] for each in trials(weak))
 
 
-def test_what_excludes_the_larger_excess_is_named_and_what_nothing_shows_has_no_sets() -> None:
+def test_what_nothing_shows_has_no_sets() -> None:
     found = sufficiency(SETS)
-    assert any("132 Hz" in words for words in conflicting(found, "post-excess"))
     by_id = {each.statement.id: each for each in found}
     assert by_id["post-excess"].choices == 3  # side, stiffness, losses
     assert by_id["pre-amplitude-long-crank"].sets == []  # runs 1 to 8 have one amplitude in all sets, the simulation's

@@ -13,7 +13,7 @@ MODULE = '''"""How fast the cranks turn."""
 
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
-from quickreturn.reports.results.runs import mean_crank_speed
+from quickreturn.reports.results.loads import mean_crank_speed
 from quickreturn.reports.tables.cells import CASE
 from quickreturn.reports.tables.table import Column, Table
 from quickreturn.reports.words import counted
@@ -63,7 +63,7 @@ def test_a_chapter_needs_a_module_a_template_and_its_name_in_one_file(tmp_path: 
     (package / "reports/chapters/speeds.html").write_text(TEMPLATE)
     chapters, imported = package / "reports/page/chapters.py", "from quickreturn.reports.chapters.{0} import {0}\n"
     insert(chapters, imported.format("speeds"), after=imported.format("runs"))
-    insert(chapters, "    speeds,\n", after="    strength,\n")
+    insert(chapters, "    speeds: 15,\n", after="    drive: 12,\n")
 
     environment = os.environ | {"PYTHONPATH": os.pathsep.join((str(package.parent), str(ROOT / "build/tests-alone")))}
     told = subprocess.run([sys.executable, "-c", WRITE], env=environment, cwd=tmp_path, capture_output=True, text=True, check=False)

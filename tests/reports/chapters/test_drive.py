@@ -3,13 +3,11 @@
 import dataclasses
 import json
 import math
-import re
 
 import numpy as np
 import pytest
 
 from quickreturn.cases.case_file import load_case
-from quickreturn.cases.displayed import in_lines
 from quickreturn.cases.measures.catalogue import MEASURES, numbers
 from quickreturn.cases.measures.number import Number
 from quickreturn.cases.runs.comparison import CaseResult
@@ -18,7 +16,7 @@ from quickreturn.reports.output import plain as as_plain
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.plot import Plot
 from quickreturn.reports.results.drive import CaseDrive, drive_of, drive_sentences, text_of
-from quickreturn.verdict_text import as_document, parts_of
+from quickreturn.verdict_text import as_document
 from tests.reports import pages
 from tests.reports.pages import chapter_of, one_run, plain, read
 from tests.reports.plotted_results import with_run
@@ -45,30 +43,31 @@ def wanting(result: CaseResult, fluctuation: float) -> CaseResult:
     return dataclasses.replace(result, case=dataclasses.replace(result.case, scene=scene))
 
 
-def test_the_sentences_give_the_closed_forms(shaper: CaseResult) -> None:
-    motor, flywheel, bearings = map(plain, drive_sentences(drive_of(shaper)))
+def test_the_numbers_are_the_closed_forms(shaper: CaseResult) -> None:
+    drive = drive_of(wanting(shaper, 0.05))
+    found = {name: number.value for name, number in drive.numbers("reference").items()}
     back = 2.0 * (4.0 * math.sin(math.pi / 3.0) - 2.0 * math.pi / 3.0)  # J, over 120 degrees of a turn
-    assert motor == (
-        "The torque of the drive is 2.000 N m in the mean, 3.464 N m RMS and 6.000 N m at most; its power is 20.00 W in the mean and"
-        f" 60.00 W at most. In a turn {4.0 * math.pi + back:.2f} J go to the machine and {back:.3f} J come back, at 20.00 W at most."
-    )
-    assert flywheel.startswith(
-        "With a motor of constant torque, crank and flywheel store and release 8.000 J in a turn; with crank.wanted_fluctuation"
-    )
-    assert re.fullmatch(
-        r"Ball bearings are chosen by an equivalent load of \S+ N at P \(\S+ N with rollers\) and \S+ N at O \(\S+ N with rollers\); P"
-        r" turns by 57\.65° in a turn of the crank, to and fro\.",
-        bearings,
-    )
-    *_, fully = map(plain, drive_sentences(drive_of(dataclasses.replace(shaper, case=load_case("whitworth")))))
-    assert fully.endswith(" in a turn of the crank.")
-    _, flywheel, _ = map(plain, drive_sentences(drive_of(wanting(shaper, 0.05))))
-    assert flywheel == (  # 8 J / (0.05 (10 rad/s)^2)
-        "With a motor of constant torque, crank and flywheel store and release 8.000 J in a turn. For a speed whose range is 5 % of its"
-        " mean they need an inertia of 1.600 kg m² about O together; the crank has 0.1000 kg m²."
-    )
-    _, flywheel, _ = map(plain, drive_sentences(drive_of(wanting(shaper, 0.9))))
-    assert flywheel.endswith("they need an inertia of 0.08889 kg m² about O together; the crank has 0.1000 kg m², which is enough.")
+    known = {
+        "mean.crank_torque": 2.0,
+        "rms.crank_torque": math.sqrt(12.0),
+        "peak.crank_torque": 6.0,
+        "mean.drive_power": 20.0,
+        "peak.drive_power": 60.0,
+        "peak.returned_power": 20.0,
+        "turn.driven_energy": 4.0 * math.pi + back,
+        "turn.returned_energy": back,
+        "flywheel.energy": 8.0,
+        "flywheel.inertia": 1.6,  # 8 J / (0.05 (10 rad/s)^2)
+        "turn.pivot_angle": math.radians(57.65),
+    }
+    assert {name: found[name] for name in known} == pytest.approx(known, rel=1e-3)
+    assert len(drive_sentences(drive)) == 3
+
+
+@pytest.mark.parametrize(("fluctuation", "enough"), [(0.05, False), (0.9, True)])
+def test_the_chapter_says_whether_the_crank_is_flywheel_enough(shaper: CaseResult, fluctuation: float, enough: bool) -> None:
+    (section,) = chapter_of(one_run(wanting(shaper, fluctuation)), "drive").facts["sections"]
+    assert section["flywheel"].endswith("which is enough.") == enough
 
 
 def test_the_error_of_an_angle_is_an_angle() -> None:
@@ -79,15 +78,11 @@ def test_the_error_of_an_angle_is_an_angle() -> None:
     assert plain(text_of("torque.harmonic_1", Number(1e-4, 2e-3), units, with_error=True)) == "0 N m (± 0.002000 N m)"
 
 
-def test_a_machine_with_a_driving_torque_fluctuates_and_has_no_harmonics() -> None:
-    result = reported_result("example")
-    drive = drive_of(result)
-    told = [plain(sentence) for sentence in drive_sentences(drive)]
-    assert told[0].startswith("At the shaft the drive gives ")
-    assert told[1] == "The speed of the crank fluctuates by 2.000 % of its mean, from the least to the largest."
-    chapter = chapter_of(one_run(result), "drive")
+def test_a_machine_with_a_driving_torque_has_no_harmonics_and_no_flywheel() -> None:
+    chapter = chapter_of(one_run(reported_result("example")), "drive")
     assert [table.name for table in chapter.tables] == ["drive", "bearing_forces"]
     assert [plot.file for plot in chapter.plots] == ["bearing_forces.csv"] * 2
+    assert [section["flywheel"] for section in chapter.facts["sections"]] == [""]
 
 
 def test_the_heading_is_that_of_the_first_machine(shaper: CaseResult) -> None:
@@ -134,9 +129,7 @@ def test_the_pictures_show_the_rows(shaper: CaseResult) -> None:
             assert marks.x[place] == pytest.approx(x, abs=1e-9)
 
 
-def test_run_says_it_in_words_and_in_json(shaper: CaseResult) -> None:
-    words = in_lines(parts_of(shaper))
-    assert "  reference: the torque of the drive is 2.000 N m in the mean, 3.464 N m RMS and 6.000 N m at most; its power is" in words
+def test_the_document_of_a_run_has_the_numbers(shaper: CaseResult) -> None:
     (case,) = json.loads(json.dumps(as_plain(as_document([shaper], ()))))["cases"]
     (document,) = (engine["numbers"] for engine in case["engines"] if engine["engine"] == "mujoco")
     assert document["torque.harmonic_1"]["value"] == pytest.approx(4.0, abs=1e-6)

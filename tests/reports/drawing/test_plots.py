@@ -19,7 +19,7 @@ from quickreturn.plugins.methods import work_precision
 from quickreturn.plugins.methods.rivals import RIVALS
 from quickreturn.plugins.methods.tests.made_up_benchmark import made_up_benchmark
 from quickreturn.plugins.thesis.experiment.published import printed_ranges
-from quickreturn.reports.drawing import cycle, recorded
+from quickreturn.reports.drawing import cycle
 from quickreturn.reports.line_styles import looks
 from tests.reports.plotted_results import made_up_result, with_table
 
@@ -89,12 +89,12 @@ def test_every_axis_has_its_unit() -> None:
 
 def test_recorded_tables_are_drawn_over_the_engines_under_their_plain_names() -> None:
     result = with_table(TROUBLES["settled"], "$a_1$.csv", ("strain_2", "tip_deflection"))
-    figure = recorded.draw_recorded([result])
+    figure = cycle.draw_recorded([result])
     _check(figure)
     assert [axes.get_ylabel() for axes in figure.axes] == ["strain 2\n(10⁻⁶)", "tip deflection\n(mm)"]
     (legend,) = figure.legends
     assert [text.get_text() for text in legend.get_texts()] == ["thesis", "reference", "exudyn", "mujoco", r"\$a_1\$.csv"]
-    assert recorded.drawn([result], ".svg").startswith(b"<?xml")
+    assert cycle.drawn([result], ".svg").startswith(b"<?xml")
 
 
 def test_strain_is_drawn_in_percent_and_acceleration_in_si() -> None:

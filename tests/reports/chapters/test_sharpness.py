@@ -14,7 +14,7 @@ from quickreturn.cases.measures.time_scale import CHANNELS, time_scale
 from quickreturn.cases.runs.campaign import cross_validate
 from quickreturn.cases.runs.comparison import KINDS, CaseResult, Kind, compare
 from quickreturn.cases.runs.request import Run
-from quickreturn.reports.results.sharpness import Sharpness, sharpness, smallest_found
+from quickreturn.reports.chapters.agreement import Sharpness, sharpness, smallest_found
 from tests.changed_run import changed_run
 from tests.reports.reported_results import agreeing, reported_result
 

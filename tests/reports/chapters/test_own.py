@@ -1,0 +1,204 @@
+"""What the page of one's own case says of the machine: numbers of its table, verdicts, and what happens in a turn."""
+
+import dataclasses
+import re
+
+import pytest
+
+from quickreturn.cases.loads import Factor, loads_of_run, resonance, share_of
+from quickreturn.cases.loads.stress import ArmStress, section_modulus
+from quickreturn.cases.runs.comparison import CaseResult, compare
+from quickreturn.cases.shown import Unit
+from quickreturn.cases.units import in_si
+from quickreturn.reports.chapters.own import TOPICS, lacking, strength_finding, strength_table
+from quickreturn.reports.page.chapters import chapters_of
+from quickreturn.reports.page.content import Content
+from quickreturn.reports.page.view import cycles
+from quickreturn.reports.results.loads import (
+    CaseLoads,
+    leading_loads,
+    loads_of_case,
+    name_of,
+    notch_lines,
+    numbers_of_case,
+    settled_speed,
+)
+from quickreturn.reports.results.turn import statements
+from quickreturn.reports.words import quantity
+from tests.reports.made_up_loads import made_up_loads, with_resonance, without
+from tests.reports.pages import chapter_of, finding_of, one_run, plain, read, text_of
+from tests.reports.plotted_results import made_up_result, with_run, with_strength
+from tests.reports.reported_results import reported_result
+
+
+@pytest.fixture(scope="module")
+def example() -> CaseResult:
+    return reported_result("example")
+
+
+@pytest.fixture(scope="module")
+def stress(example: CaseResult) -> ArmStress:
+    """The arm's stress in the example by reference."""
+    loads = loads_of_run(example.case.mechanism, example.runs["reference"])
+    assert loads is not None
+    assert loads.stress is not None
+    return loads.stress
+
+
+@pytest.fixture(scope="module")
+def known() -> CaseLoads:
+    return made_up_loads()
+
+
+def test_the_heading_gives_stress_the_least_safety_and_resonance(known: CaseLoads) -> None:
+    stress, away = "12.35 MPa at 375 mm from P", "harmonic 9 is 2.2 % from resonance"
+    neither = without(known, "yield_factor", "fatigue_factor")
+    hardly = with_resonance(dataclasses.replace(known, shares={"reference": 0.003}))
+    for case, words, absent in (
+        (known, [stress, "safety 2 against yielding", away], "fatigue"),
+        (without(known, "yield_factor"), [stress, "safety 3 against fatigue", away], "yielding"),
+        (neither, [stress, away], "safety"),
+        (hardly, [stress], "harmonic"),  # no alarm
+    ):
+        told = plain(strength_finding([case]))
+        assert all(each in told for each in words), told
+        assert absent not in told
+    assert strength_finding([neither, known]).startswith("example: ")  # of the first of several
+
+
+def test_the_heading_is_about_the_first_case_of_the_page(example: CaseResult) -> None:
+    assert finding_of(one_run(example), "strength") == plain(strength_finding([loads_of_case(example)]))
+    assert finding_of(one_run(reported_result("hard-speed-x2"), example), "strength").startswith("hard-speed-x2: ")
+
+
+@pytest.mark.parametrize(
+    ("factors", "keys"),
+    [
+        ((), []),
+        (("yield_factor",), ["yield_strength"]),
+        (("yield_factor", "fatigue_factor"), ["yield_strength", "fatigue_strength"]),
+    ],
+)
+def test_the_keys_that_are_missing_are_named(known: CaseLoads, factors: tuple[str, ...], keys: list[str]) -> None:
+    assert lacking(without(known, *factors).loads["reference"])[1] == keys
+
+
+def test_the_first_screen_answers_with_the_numbers_of_the_table(example: CaseResult, stress: ArmStress) -> None:
+    page, told = read(one_run(example)), text_of(one_run(example))
+    rows = {(row[1][0], row[2][1]): row for row in page.tables["strength.csv"]}
+    for name, unit in (("stress", "MPa"), ("crank_torque", "N*m"), ("pivot_force", "N"), ("slider_force", "N"), ("tip_deflection", "mm")):
+        value = float(rows["reference", name][3][1])
+        assert quantity(value, Unit(unit, in_si(unit))).replace("\N{NO-BREAK SPACE}", " ") in told
+        assert rows["reference", name][4][0] != "–"  # each with its error
+    assert float(rows["reference", "stress"][3][1]) == stress.largest.value
+    assert f"{1e3 * float(rows['reference', 'stress'][5][1]):.0f} mm from P" in told
+    first = resonance(example.case.mechanism, settled_speed(example))
+    assert first is not None
+    assert first.sentence(example.case.units, share_of(first.harmonic, example.runs["reference"].cycle)) in told
+    assert f"{first.ratio:.2f}first mode" in told  # a large number and the words under it
+    assert plain(loads_of_case(example).verdict) in told
+    assert told.index("largest stress") < told.index("Engines show or hide")
+
+
+@pytest.mark.parametrize(("part", "words"), [(0.5, "does not hold"), (1.0, "too close to tell"), (3.0, "The arm holds")])
+@pytest.mark.parametrize("key", ["yield_strength", "fatigue_strength"])
+def test_a_factor_below_one_is_a_verdict(example: CaseResult, stress: ArmStress, key: str, part: float, words: str) -> None:
+    borne = stress.largest if key == "yield_strength" else stress.amplitude
+    strengths = dict.fromkeys(("yield_strength", "fatigue_strength")) | {key: part * borne.value}
+    assert words in loads_of_case(with_strength(example, **strengths)).verdict
+
+
+def test_one_factor_below_one_is_enough(example: CaseResult, stress: ArmStress) -> None:
+    material = {"yield_strength": 0.5 * stress.largest.value, "fatigue_strength": stress.amplitude.value}
+    assert "does not hold" in loads_of_case(with_strength(example, **material)).verdict
+
+
+def test_each_notch_has_its_factor_and_one_decides(known: CaseLoads) -> None:
+    loads = known.loads["reference"]
+    assert loads.stress is not None
+    worst = loads.stress.fatigue  # 400 mm from P
+    root = dataclasses.replace(worst, equivalent=dataclasses.replace(worst.equivalent, value=0.05e6, place=0.0), notch_factor=1.8)
+    notched = dataclasses.replace(loads, stress=dataclasses.replace(loads.stress, notches=(root, worst)))
+    factors = (Factor(3440.0, 3400.0, 3480.0, 0.01), loads.fatigue_factor)
+    lines = notch_lines(dataclasses.replace(notched, notch_factors=factors), known.case)
+    assert ["3440" in line for line in lines] == ["does not decide" in line for line in lines] == [True, False]
+    assert "0.05000" in notch_lines(dataclasses.replace(notched, notch_factors=(None, None)), known.case)[0]
+    case = dataclasses.replace(known, loads={"reference": dataclasses.replace(notched, notch_factors=factors)})
+    names = {load.quantity: load for _, load in numbers_of_case(case)}
+    assert names["notch_1_fatigue_factor"].value == 3440.0
+    assert names["notch_2_equivalent_amplitude"].place == 0.4
+    assert name_of("notch_1_fatigue_factor").endswith(" 1")
+    assert notch_lines(loads, known.case) == []
+
+
+def test_an_interval_whose_ends_look_alike_is_an_error(known: CaseLoads) -> None:
+    sharp = dataclasses.replace(known.loads["reference"], yield_factor=Factor(18.99, 18.985, 18.995, 3e-4))
+    (row,) = (row for row in strength_table([CaseLoads(known.case, {"reference": sharp})]).rows if row["quantity"].value == "yield_factor")
+    assert plain(row["error"].text) == "± 0.026 %"
+
+
+@pytest.mark.parametrize("part", [0.3, 2.0])
+def test_an_error_of_tens_of_percent_lets_nobody_judge(example: CaseResult, stress: ArmStress, part: float) -> None:
+    run = example.runs["reference"]
+    moment = stress.largest.value * section_modulus(example.case.mechanism.follower)
+    unsure = {name: dict.fromkeys(("pre", "post"), part * moment) for name in run.cycle}
+    weak = with_strength(example, yield_strength=0.5 * stress.largest.value, fatigue_strength=None)
+    page = text_of(one_run(with_run(weak, "reference", extreme_estimates=unsure)))
+    assert "The arm does not hold" not in page
+    assert "cannot be judged" in page
+
+
+def test_without_strengths_the_page_says_which_keys_to_give(example: CaseResult) -> None:
+    told = text_of(one_run(with_strength(example, yield_strength=None, fatigue_strength=None)))
+    assert "The arm holds" not in told
+    assert "give yield_strength and fatigue_strength in [follower]" in told
+
+
+def test_the_thesis_keeps_its_first_screen_and_engines_without_moments_the_old_one(example: CaseResult) -> None:
+    of_thesis = one_run()
+    assert of_thesis.loads == []
+    assert not {"strength", "turn", "next"} & {chapter.id for chapter in chapters_of(of_thesis)}
+    assert not any(run["stress"] for run in cycles(of_thesis.results, ["reference"], of_thesis.loads).runs)
+    without = example
+    for name, run in example.runs.items():
+        without = with_run(without, name, cycle={key: values for key, values in run.cycle.items() if not key.startswith("moment")})
+    assert "strength" not in [chapter.id for chapter in chapters_of(one_run(without))]
+    assert "settled at the accuracy asked" in text_of(one_run(without))
+
+
+def test_the_reference_leads_and_the_stress_of_others_stands_beside(example: CaseResult) -> None:
+    run = example.runs["mujoco"]
+    cycle = {name: (1.1 if name.startswith("moment") else 1.0) * values for name, values in run.cycle.items()}
+    both = compare(example.case, {"mujoco": dataclasses.replace(run, cycle=cycle), "reference": example.runs["reference"]})
+    found = loads_of_case(both)
+    assert found.lead == leading_loads(both).lead == "reference"
+    assert found.departures()["mujoco"] == pytest.approx(0.1, abs=0.01)
+    assert re.search(r"mujoco finds 10(\.0)? % more", text_of(one_run(both)))
+    assert loads_of_case(dataclasses.replace(both, runs={"mujoco": both.runs["mujoco"]})).lead == "mujoco"
+
+
+def test_what_is_drawn_along_the_arm_is_what_the_cycle_reaches() -> None:
+    result = made_up_result("example")
+    content = Content(results=[result])
+    (run,) = cycles(content.results, ["reference"], content.loads).runs
+    stress = loads_of_case(result).loads["reference"].stress
+    assert stress is not None
+    assert max(map(abs, run["stress"]["low"] + run["stress"]["high"])) == pytest.approx(1e-6 * stress.largest.value, rel=0.03)
+    assert run["stress"]["at"] == pytest.approx((stress.largest.place or 0.0) / result.case.mechanism.follower.length)
+    assert run["stress"]["low"][-1] == pytest.approx(0.0, abs=0.03 * run["stress"]["largest"])  # the light tip bears little
+
+
+def test_rows_have_units_and_names(example: CaseResult) -> None:
+    found = {number.quantity: number for engine, number in numbers_of_case(loads_of_case(example)) if engine in ("reference", "")}
+    assert found["stress"].unit == "Pa"
+    assert found["frequency_ratio"].value == pytest.approx(found["mean_first_frequency"].value / 2.0)  # 120 rpm
+    assert found["yield_factor"].value == pytest.approx(240e6 / found["stress"].value)
+
+
+def test_a_turn_has_what_no_table_shows_and_how_far_it_can_be_trusted(example: CaseResult) -> None:
+    told = {each.topic: each.sentence for each in statements(example.case, example.runs["reference"])}
+    ((_, sentences),) = chapter_of(one_run(example), "turn").facts["cases"]
+    assert sentences == [told[topic] for topic in TOPICS if topic in told]
+    assert "trust" in told
+    failed = reported_result("example", dict.fromkeys(example.runs, "failed"))
+    assert "turn" not in [chapter.id for chapter in chapters_of(one_run(failed))]
