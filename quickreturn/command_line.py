@@ -32,21 +32,21 @@ if TYPE_CHECKING:
 #: The commands in the order of `--help`: module of `quickreturn.commands`, and first sentence of the help. Those of plugins follow.
 COMMANDS: Final = {
     "engines": (
-        "engines",
+        "cases",
         "List the engines: name, version, method, available or why not; for one ENGINE also its settings and default accuracy.",
     ),
     "cases": ("cases", "List the cases of the library: name, tags, title."),
     "new": ("cases", "Write a case file of your own to FILE, with the meaning of every key beside it."),
     "show": ("cases", "Show the scene of CASE and the parts, joints and degrees of freedom that each engine builds."),
-    "simulate": ("simulate", "Simulate CASE from the standard start; with --output, write the trajectory."),
-    "modes": ("modes", "Compute natural frequencies (Hz) of CASE with the crank held: follower straight, at rest, no gravity, undamped."),
-    "run": ("run", "Bring engines to their steady state on each CASE, measure and compare them."),
-    "compare": ("run", "Measure recorded tables of CASE and compare them with engines."),
-    "check": ("check", "Judge a table by the reference results of PROBLEM."),
-    "report": ("report", "Write the report on each CASE; without one, on the 24 runs of the thesis."),
-    "explain": ("explain", "Say in about ten sentences what happens in a turn of CASE in its steady state, with numbers."),
-    "plot": ("pictures", "Draw each CASE; with --engine, simulate it and draw columns of its trajectory over time."),
-    "animate": ("pictures", "Simulate CASE from the standard start and draw it moving, engines over each other."),
+    "simulate": ("motions", "Simulate CASE from the standard start; with --output, write the trajectory."),
+    "modes": ("motions", "Compute natural frequencies (Hz) of CASE with the crank held: follower straight, at rest, no gravity, undamped."),
+    "run": ("comparisons", "Bring engines to their steady state on each CASE, measure and compare them."),
+    "compare": ("comparisons", "Measure recorded tables of CASE and compare them with engines."),
+    "check": ("comparisons", "Judge a table by the reference results of PROBLEM."),
+    "report": ("comparisons", "Write the report on each CASE; without one, on the 24 runs of the thesis."),
+    "explain": ("comparisons", "Say in about ten sentences what happens in a turn of CASE in its steady state, with numbers."),
+    "plot": ("motions", "Draw each CASE; with --engine, simulate it and draw columns of its trajectory over time."),
+    "animate": ("motions", "Simulate CASE from the standard start and draw it moving, engines over each other."),
 }
 
 #: Environment variable by which a shell asks for completions, see `quickreturn --help`.

@@ -5,10 +5,10 @@ from collections.abc import Sequence
 from typing import Any, Final
 
 from quickreturn.cases.case import Case
-from quickreturn.cases.displayed import Cell, Rows
 from quickreturn.cases.loads import UNITS, loads_of_run, resonance
 from quickreturn.cases.measures.catalogue import IN_TABLES, MEASURES, numbers
 from quickreturn.cases.measures.number import SAYS_NOTHING
+from quickreturn.cases.printable import Cell, Rows
 from quickreturn.cases.runs.comparison import REFERENCE, CaseResult, Difference, Kind, agreement, not_judged
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.shown import Units

@@ -38,7 +38,7 @@ reference_model: columns eigenproblem errors follower imported_modules mechanism
 reference_model.native: cache_folder turn
 engines: accurate base compiling error_parts ladder memory one_run one_thread plugins progress refusals registry relative settings start
     trajectory
-cases: case displayed errors keys plausibility shown units whole_file
+cases: case errors keys plausibility printable shown units whole_file
 cases.jobs: display in_process job key pieces records store tally workshop
 cases.measures: consensus cycle drifting_fit extremes first_mode half_cycle moving_mode number quasi_static second_mode time_scale
 cases.text: broken_toml copies document force_table number_rows reading text_file written

@@ -126,6 +126,6 @@ def test_engines_that_all_refuse_leave_a_document_and_no_table(call: Call) -> No
 
 
 def test_of_the_main_engines_one_may_refuse(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("quickreturn.engine_choice.MAIN", ("sound", "carries"))
+    monkeypatch.setattr("quickreturn.arguments.MAIN", ("sound", "carries"))
     answer, case = run(call, more=HEAVY)
     assert (answer.code, answer.errors, case["passed"]) == (0, "", None)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from quickreturn.cases.displayed import in_lines
+from quickreturn.cases.printable import in_lines
 from quickreturn.cases.runs.comparison import CaseResult
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.results.loads import loads_of_case
