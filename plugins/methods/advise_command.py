@@ -6,7 +6,6 @@ from typing import Final
 from quickreturn.commands import options
 from quickreturn.commands.console import Call, tell_doubts
 from quickreturn.computing import HIGHEST, LOWEST
-from quickreturn.plugins.methods.advice import LEVELS
 from quickreturn.plugins.methods.advice import advise as advice
 
 #: What the document says of an engine.
@@ -27,7 +26,7 @@ def advise(call: Call) -> None:
     Nothing is simulated. The output names each quantity that lies outside the map. With several cases the JSON document is a list.
     """
     loaded = call.loaded()
-    found = [advice(case, call.accuracy or LEVELS[0]) for case in loaded]
+    found = [advice(case, call.accuracy or 0.01) for case in loaded]
     tell_doubts(loaded)
     documents = [asdict(each) | {"reaches": [{key: getattr(trial, key) for key in _KEYS} for trial in each.reaches]} for each in found]
     call.show_each(documents, "\n\n".join(map(str, found)))

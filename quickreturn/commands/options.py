@@ -11,6 +11,7 @@ from click.shell_completion import CompletionItem
 from quickreturn.cases.errors import as_written, shortened
 from quickreturn.cases.jobs import fork_server
 from quickreturn.cases.units import TIME, QuantityError, parse_quantity, plain_number
+from quickreturn.commands import console
 from quickreturn.commands.console import Call
 from quickreturn.computing import CHOSEN, HIGHEST, LOWEST
 from quickreturn.engines.settings import ANY_ENGINE
@@ -32,10 +33,10 @@ def command(*options: Option, **attributes: Any) -> Callable[[Callable[..., Any]
     The function gets the `Call` with the values of the shared options, and those of its own ones as keywords.
     """
 
-    def made(function: Callable[..., Any]) -> click.Command:
-        @click.pass_obj
+    def decorate(function: Callable[..., Any]) -> click.Command:
         @functools.wraps(function)
-        def called(call: Call, **own: Any) -> Any:
+        def called(**own: Any) -> Any:
+            call = console.call()
             before = CHOSEN.set(call.computing)
             try:
                 return function(call, **own)
@@ -45,9 +46,10 @@ def command(*options: Option, **attributes: Any) -> Callable[[Callable[..., Any]
 
         for option in reversed(options):
             option(called)
-        return click.command(name=function.__name__, **attributes)(called)
+        as_command: Callable[[Callable[..., Any]], click.Command] = click.command(name=function.__name__, **attributes)
+        return as_command(called)
 
-    return made
+    return decorate
 
 
 def number(low: float, high: float, example: float, *, of: str = "", whole: bool = False) -> Reader:
