@@ -30,7 +30,7 @@ test: $(TEST)
 # The quick tests of model, engines and cases with other versions, in an environment of its own:
 # make core VENV=.venv-oldest CONSTRAINTS=constraints-oldest.txt, or VENV=.venv-newest PYTHON=python3.14
 core: $(CORE)
-	$(BIN)/pytest -n $(PARALLEL) $(CRASH) --dist loadgroup --no-loadscope-reorder --ignore tests/engines/fmu tests/reference_model tests/engines tests/cases
+	$(BIN)/pytest -n $(PARALLEL) $(CRASH) --dist loadgroup --no-loadscope-reorder tests/reference_model tests/engines tests/cases
 
 # Everything that takes longer; the outcome is kept with the results and shown in the report. Speed is measured while nothing else runs.
 # SLICE=k/n: the part that belongs to k, a whole number of any size; MINUTES: no test begins later (`tests/slices.py`).

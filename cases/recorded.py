@@ -99,7 +99,7 @@ def read_table(
         columns: which heading is which column: "crank.phi = crank_angle [deg]", or a dictionary of such pairs; a number in
             place of a heading counts columns from 1.
         decimal: the decimal sign, "." or ","; None: it is recognised.
-        separator: the sign between columns: ",", ";", a tabulator or a blank; None: it is recognised.
+        separator: the sign between columns: ",", ";", "tab" or "blank"; None: it is recognised.
         skip: number of lines above the headings to leave out.
 
     Raises:

@@ -15,11 +15,10 @@ if __name__ == "__main__":
         # before the compiler is imported; no feature of this processor beyond those of the level
         os.environ.update({VARIABLE: folder, "NUMBA_CPU_NAME": LEVEL, "NUMBA_CPU_FEATURES": ""})
         from quickreturn.reference_model.entries import KERNEL, LOOP, OBSERVATIONS, STEPS
-        from quickreturn.reference_model.moving_boundaries.model import KERNEL as MOVING_BOUNDARIES
 
         shutil.rmtree(SHIPPED, ignore_errors=True)
         SHIPPED.mkdir()
-        for entry in (KERNEL, LOOP, OBSERVATIONS, STEPS, MOVING_BOUNDARIES):
+        for entry in (KERNEL, LOOP, OBSERVATIONS, STEPS):
             entry.compiled()
             shutil.move(entry.path, entry.shipped)
             print(entry.shipped, entry.shipped.stat().st_size)

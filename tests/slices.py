@@ -18,7 +18,7 @@ from typing import Any, TypeVar
 
 import pytest
 
-from quickreturn.reference_model.imported_modules import names_imported
+from quickreturn.cases.jobs.imported_modules import names_imported
 
 T = TypeVar("T")
 

@@ -17,7 +17,7 @@ from pathlib import Path
 import pytest
 
 import quickreturn
-from quickreturn.reference_model.imported_modules import modules_in
+from quickreturn.cases.jobs.imported_modules import modules_in
 
 ROOT = Path(__file__).resolve().parents[1]
 #: From bottom to top; what stands in `quickreturn` itself is above them all.
@@ -33,13 +33,13 @@ FILES = list(MODULES.values())
 
 #: What one must know to change anything else: nothing in it imports anything outside it at the head of a file (docs/developing.md).
 KERNEL = """
-reference_model: columns eigenproblem errors follower imported_modules mechanism natural_modes quantities rigid scene_values shapes slider
+reference_model: columns eigenproblem errors follower mechanism natural_modes quantities rigid scene_values shapes slider
     splines spring tip tip_force
 reference_model.native: cache_folder turn
 engines: accurate base compiling error_parts ladder memory one_run one_thread plugins progress refusals registry relative settings start
     trajectory
 cases: case errors keys plausibility printable shown units whole_file
-cases.jobs: display in_process job key pieces records store tally workshop
+cases.jobs: display imported_modules in_process job key pieces records store tally workshop
 cases.measures: consensus cycle drifting_fit extremes first_mode half_cycle moving_mode number quasi_static second_mode time_scale
 cases.text: broken_toml copies document force_table number_rows reading text_file written
 """
@@ -47,13 +47,20 @@ cases.text: broken_toml copies document force_table number_rows reading text_fil
 LARGEST_KERNEL = 10_000
 #: Room -> lines of code at most: blank lines, comments, docstrings and imports do not count, nor do tests.
 BUDGETS = {
-    "reference_model": 5_950,
+    "reference_model": 5_500,
     "engines": 4_300,
-    "cases": 6_750,
+    "cases": 6_450,
     "reports": 3_350,
     "quickreturn": 2_250,
     "pack": 100,
-    "plugins": 8_950,
+    "plugins/as_built": 450,
+    "plugins/conform": 1_250,
+    "plugins/derive": 2_100,
+    "plugins/fmu": 400,
+    "plugins/methods": 3_050,
+    "plugins/pack": 450,
+    "plugins/studies": 2_600,
+    "plugins/thesis": 1_550,
 }
 
 
@@ -148,7 +155,8 @@ def test_the_kernel_imports_nothing_outside_it() -> None:
 def test_every_room_keeps_its_budget() -> None:
     lines = Counter[str]()
     for module, file in MODULES.items():
-        room = module.split(".")[1] if module != TOP else TOP
+        first, _, rest = module.removeprefix(f"{TOP}.").partition(".")
+        room = f"plugins/{rest.split('.')[0]}" if first == "plugins" else first
         lines[room if room in BUDGETS else TOP] += lines_of_code(file.read_text("utf-8"))
     beyond = {room: count for room, count in lines.items() if count > BUDGETS[room]}
     assert beyond == {}

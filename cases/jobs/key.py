@@ -18,10 +18,10 @@ from typing import Any, Final
 
 import numpy as np
 
+from quickreturn.cases.jobs.imported_modules import PACKAGE, imported_modules, source_of, text_of
 from quickreturn.cases.jobs.job import Job
 from quickreturn.engines.base import AnyEngine
 from quickreturn.engines.registry import MAIN, engine
-from quickreturn.reference_model.imported_modules import PACKAGE, imported_modules, source_of, text_of
 
 #: Code of simulations, besides a third-party engine's own code.
 SIMULATION: Final = ("quickreturn.reference_model", "quickreturn.engines")

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Final, NamedTuple
 
 from quickreturn.cases.errors import Argument, CaseError, as_written, path_shown, similar_name, texts_given
-from quickreturn.cases.text.number_rows import ADVICE, PLAIN, SEPARATORS, Form, TableText, name_and_unit, unit_factor
+from quickreturn.cases.text.number_rows import ADVICE, NAMED, PLAIN, SEPARATORS, Form, TableText, name_and_unit, unit_factor
 from quickreturn.cases.text.text_file import read_text
 from quickreturn.reference_model.columns import COLUMNS, MOMENTS, SHAPE
 
@@ -25,7 +25,7 @@ _NEAR: Final = 0.45  # share of letters in the same order: "crank.phi" is near t
 _WORDS: Final = {"phi": "angle", "theta": "angle", "w": "speed", "omega": "speed", "acc": "acceleration", "f": "force", "tau": "torque"}
 IGNORED: Final = "-"  # in place of a column
 #: Member of a `Form` -> the signs that it accepts.
-_OF_FORM: Final[Mapping[str, tuple[str, ...]]] = {"separator": tuple(SEPARATORS), "decimal": (".", ","), "skip": ()}
+_OF_FORM: Final[Mapping[str, tuple[str, ...]]] = {"separator": (*NAMED, *SEPARATORS), "decimal": (".", ","), "skip": ()}
 _DIGITS: Final = re.compile(r"\d+$")
 _NUMBER: Final = r"\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?"
 _TARGET: Final = re.compile(

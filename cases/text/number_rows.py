@@ -21,6 +21,8 @@ Array = NDArray[np.float64]
 
 #: Separator -> its name.
 SEPARATORS: Final = {",": "commas", ";": "semicolons", "\t": "tabulators", " ": "blanks"}
+#: Names of separators that are hard to type.
+NAMED: Final = {"tab": "\t", "blank": " "}
 #: Beginnings of a comment line: Python and Exudyn; MATLAB and TeX; Fortran.
 _COMMENTS: Final = ("#", "%", "!")
 #: What to do about a table that cannot be read.
@@ -52,7 +54,7 @@ _TWO_MEANINGS: Final[Mapping[str, str]] = {
 class Form:
     """How a table is written."""
 
-    separator: str | None = None  # one of `SEPARATORS`; None: recognised
+    separator: str | None = None  # one of `SEPARATORS` or `NAMED`; None: recognised
     decimal: str | None = None  # "." or ","; None: recognised
     skip: int = 0  # number of lines above the headings that are left out
 
@@ -173,7 +175,7 @@ def table_text(source: str, text: str, form: Form = PLAIN, advice: str = ADVICE)
         raise CaseError(source, None, None, problem, 'write a line such as "time [s],crank_angle [deg]"')
     at, head = rows[0]
     comments = [(number, line) for number, line in lines if number < at and line.lstrip().startswith(_COMMENTS)]
-    separator = form.separator or _separator(head)
+    separator = NAMED.get(form.separator or "", form.separator) or _separator(head)
     cells, told = _split(head, separator), [SEPARATORS[separator]] if separator != "," else []
     headings, noted = list[str](), ""
     if not all(_NUMBER.fullmatch(cell) for cell in cells if cell):

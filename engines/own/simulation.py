@@ -2,7 +2,7 @@
 
 import math
 import time
-from typing import TYPE_CHECKING, Final
+from typing import Any, Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,14 +11,10 @@ from quickreturn.engines.base import EngineFailure, Simulation
 from quickreturn.engines.start import Start
 from quickreturn.engines.trajectory import Trajectory, trajectory_type
 from quickreturn.reference_model.columns import JOINT_COLUMNS
-from quickreturn.reference_model.integration import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STEP_TOO_SMALL, TOO_MANY_CALLS
+from quickreturn.reference_model.integration import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STEP_TOO_SMALL, TOO_MANY_CALLS, Integration
 from quickreturn.reference_model.model import BeamModel, ObservationFailed
 from quickreturn.reference_model.slider_constraint import CHORDS, LEVER
 from quickreturn.reference_model.state import BY_JOINT, State
-
-if TYPE_CHECKING:
-    from quickreturn.reference_model.moving_boundaries.model import MovingBoundariesModel
-    from quickreturn.reference_model.thesis.model import ThesisModel
 
 Array = NDArray[np.float64]
 
@@ -39,6 +35,18 @@ _LOST_HOLD: Final = (
 )
 
 
+class Model(Protocol):
+    """A model that is marched on a uniform grid, such as a `BeamModel`."""
+
+    scene: Any
+
+    def integrate(self, y: Array, output_step: float, intervals: int, tolerance: float, first_step: float = 0.0, /) -> Integration:
+        """States from the state `y`."""
+
+    def observe(self, states: Array, /) -> dict[str, Array]:
+        """Columns of a trajectory from states, a row each."""
+
+
 class OwnSimulation(Simulation):
     """Advances the state vector of a model.
 
@@ -47,9 +55,7 @@ class OwnSimulation(Simulation):
     together), `spurious_energy_moved` (J, the integral of the absolute power) and `largest_spurious_power` (W).
     """
 
-    def __init__(
-        self, model: "BeamModel | ThesisModel | MovingBoundariesModel", state: Array, tolerance: float, setup_seconds: float
-    ) -> None:
+    def __init__(self, model: Model, state: Array, tolerance: float, setup_seconds: float) -> None:
         self.setup_seconds = setup_seconds
         self.time = 0.0
         self.model = model

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from quickreturn.engines.base import EngineFailure
-from quickreturn.engines.relative import rms
+from quickreturn.engines.relative import rms, scale
 from quickreturn.engines.start import standard_start
 from quickreturn.plugins.conform.bench import (
     MEND_FIRST,
@@ -98,15 +98,19 @@ def _output_step(bench: Bench, times: float, wrong: set[str]) -> None:
     part, changed_columns = _SAME[tolerances is not None], dict[str, float]()
     for name in compared_columns(run, right=right):
         error, swing = run[name] - right[name], _swing(name, right)
-        rows = np.arange(len(error))
-        rough = rms(error[1:-1:2] - CubicSpline(rows[::2], error[::2])(rows[1:-1:2]))  # errors that jump cannot be interpolated
-        off = rms(there[name] - exact[name] - CubicSpline(rows, error)(at))
-        if off > max((tolerances or {}).get(name, 0.0), part * swing) + 2.0 * rough and name not in wrong:
+        off = rms(there[name] - exact[name] - CubicSpline(np.arange(len(error)), error)(at))
+        if off > max((tolerances or {}).get(name, 0.0), part * swing) + 2.0 * _roughness(error) and name not in wrong:
             changed_columns[name] = off / swing
     if changed_columns:
         worst = sorted(changed_columns, key=lambda name: -changed_columns[name])
         wrong.update(worst)
         raise Fault(f"columns change: {some([f'{name} by {share_of(changed_columns[name])}' for name in worst])}", _AT_ITS_INSTANT)
+
+
+def _roughness(values: Array) -> float:
+    """Departure of every second row from a spline through the others: jumps cannot be interpolated, and shocks fall between rows."""
+    rows = np.arange(len(values))
+    return rms(values[1:-1:2] - CubicSpline(rows[::2], values[::2])(rows[1:-1:2]))
 
 
 def _swing(name: str, columns: Mapping[str, Array]) -> float:
@@ -188,7 +192,8 @@ def _acceleration_of_the_base(bench: Bench, wrong: set[str]) -> str:
         raise Unjudged("follower_rate is wrong already", MEND_FIRST)
     derivative = np.gradient(run["follower_rate"], OUTPUT_STEP)[inner]
     right = {"time": run["time"][inner], "follower_acceleration": derivative}
-    words, _ = wrong_in("follower_acceleration", run["follower_acceleration"][inner], right, _DIFFERENCES * rms(derivative))
+    found = run["follower_acceleration"][inner]
+    words, _ = wrong_in("follower_acceleration", found, right, _DIFFERENCES * rms(derivative) + 2.0 * _roughness(found))
     if words:
         raise Fault(f"follower_acceleration {words}", "it is the derivative of follower_rate")
     return ""

@@ -20,10 +20,9 @@ _SKIP: Final = "Number of lines above the headings of FILE to leave out."
 
 def options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add the options that say how recorded tables are to be read: the arguments of `read_table`."""
-    signs = {"tab": "\t", "blank": " "}
     command = common.single("--skip", metavar="LINES", read=common.number(0, 10_000, 3, whole=True), default="0", help=_SKIP)(command)
     command = common.single("--decimal", metavar="SIGN", help=_DECIMAL)(command)
-    command = common.single("--separator", metavar="SIGN", read=lambda _, text: signs.get(text, text), help=_SIGN)(command)
+    command = common.single("--separator", metavar="SIGN", help=_SIGN)(command)
     return common.several("--column", "columns", metavar="TEXT", help=_MAPPED)(command)
 
 

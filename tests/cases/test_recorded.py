@@ -196,7 +196,7 @@ def test_the_decimal_sign_that_is_declared_is_used(tmp_path: Path) -> None:
     ("arguments", "words"),
     [
         ({"decimal": ";"}, ["decimal", '";"', '"." or ","']),
-        ({"separator": "tab"}, ["separator", '"tab"', '";"']),
+        ({"separator": "tabs"}, ["separator", '"tabs"', '"tab"', '";"']),
         ({"skip": -1}, ["skip", "-1", "whole number"]),
         ({"columns": None}, ["columns", "None", "is not a text"]),
     ],
@@ -240,7 +240,7 @@ def test_a_mapping_beside_the_table_is_written_and_read(tmp_path: Path) -> None:
 
 def test_a_table_without_headings_is_mapped_by_position(tmp_path: Path) -> None:
     path = written(tmp_path, "0 7 1234,5\n0,5 8 2\n")
-    table = read_table(path, ["1 = time [ms]", "3 = tip_x [mm]"], separator=" ")
+    table = read_table(path, ["1 = time [ms]", "3 = tip_x [mm]"], separator="blank")
     np.testing.assert_allclose(table.columns["time"], [0.0, 5e-4], rtol=1e-14)
     np.testing.assert_allclose(table.columns["tip_x"], [1.2345, 2e-3], rtol=1e-14)
     with pytest.raises(CaseError, match="numbers where a heading is due; name the columns by position"):

@@ -3,12 +3,12 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from quickreturn.plugins.methods.moving_boundaries.model import MovingBoundariesModel
 from quickreturn.reference_model.constants import pace
 from quickreturn.reference_model.cycles.periodic import PeriodicOrbit, _Cycle, _jacobian, eigenvalues
 from quickreturn.reference_model.cycles.poincare import PoincareMap
 from quickreturn.reference_model.integrate import dop853
 from quickreturn.reference_model.model import BeamModel
-from quickreturn.reference_model.moving_boundaries.model import MovingBoundariesModel
 from quickreturn.reference_model.state import State
 
 

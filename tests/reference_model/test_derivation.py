@@ -6,13 +6,15 @@ from pathlib import Path
 import pytest
 
 from quickreturn import engines, reference_model
+from quickreturn.plugins import methods
 
 PACKAGE = Path(reference_model.__file__).parent
 #: Models with a document of their own: their files cite that one, all others the main one.
-OWN = (PACKAGE / "thesis", PACKAGE / "moving_boundaries")
+METHODS = Path(methods.__file__).parent
+OWN = (PACKAGE / "thesis", METHODS / "moving_boundaries")
 ENGINES = Path(engines.__file__).parent
 #: Closed forms of a document that tests alone use.
-IN_TESTS = {PACKAGE: "rigid_loads.py", PACKAGE / "moving_boundaries": "multipliers.py"}
+IN_TESTS = {PACKAGE: "rigid_loads.py", METHODS / "moving_boundaries": "multipliers.py"}
 NUMBER = r"(\d+)\.(\d+)"
 CITATION = re.compile(rf"(thesis,\s+)?[Ee]quations?\s+((?:{NUMBER}(?:,\s+|\s+and\s+|\s+to\s+)?)+)")
 Equation = tuple[int, int]
@@ -44,7 +46,7 @@ def files(folder: Path) -> list[Path]:
     in_tests = [Path(__file__).with_name(IN_TESTS[folder])] if folder in IN_TESTS else []
     if folder in OWN:
         return [*sorted(folder.rglob("*.py")), *in_tests]
-    product = sorted([*PACKAGE.rglob("*.py"), *ENGINES.rglob("*.py")])
+    product = sorted([*PACKAGE.rglob("*.py"), *ENGINES.rglob("*.py"), *METHODS.glob("rivals/*.py")])
     return [path for path in product if not set(OWN) & set(path.parents)] + in_tests
 
 

@@ -14,7 +14,7 @@ from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 
 if TYPE_CHECKING:
-    from quickreturn.reference_model.moving_boundaries.model import MovingBoundariesModel
+    from quickreturn.plugins.methods.moving_boundaries.model import MovingBoundariesModel
 
 #: Tolerance over the integration error of the tip deflection (`reference_model/RIVALS.md`, section 4).
 TOLERANCE_PER_ERROR: Final = 1e-4
@@ -58,7 +58,7 @@ class MovingBoundariesEngine(BeamEngine[MovingBoundariesSettings]):
         return "slider supports the beam where it meets the line (known from the crank's angle)"
 
     def model(self, mechanism: Mechanism, settings: MovingBoundariesSettings) -> "MovingBoundariesModel":  # type: ignore[override]
-        from quickreturn.reference_model.moving_boundaries.model import MovingBoundariesModel
+        from quickreturn.plugins.methods.moving_boundaries.model import MovingBoundariesModel
 
         return MovingBoundariesModel(mechanism, settings.modes, settings.foreshortening)
 

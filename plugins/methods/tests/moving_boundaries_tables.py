@@ -13,9 +13,9 @@ from quickreturn.engines.base import NoSteadyState
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.relative import relative_error
 from quickreturn.engines.start import standard_start
+from quickreturn.plugins.methods.moving_boundaries.model import MovingBoundariesModel
 from quickreturn.plugins.methods.rivals.moving_boundaries import MovingBoundariesEngine, MovingBoundariesSettings
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
-from quickreturn.reference_model.moving_boundaries.model import MovingBoundariesModel
 from quickreturn.reference_model.rigid import crank_pace
 from tests.reference_model.multipliers import linear_multipliers
 

@@ -15,13 +15,12 @@ import numpy as np
 import pytest
 
 from quickreturn.cases.case_file import load_case
-from quickreturn.cases.jobs import key
+from quickreturn.cases.jobs import imported_modules, key
 from quickreturn.cases.jobs.job import Job, Limits
 from quickreturn.cases.jobs.key import ONLY_TALK, code_fingerprint, code_of, hash_of, key_of, sources_of
 from quickreturn.cases.solving import frequencies_job
 from quickreturn.plugins.studies.sweep import grid
 from quickreturn.plugins.studies.sweep.rows import MeasureRequest
-from quickreturn.reference_model import imported_modules
 from tests.engines.fake_engine import FakeEngine
 from tests.engines.scenes import run_24
 
@@ -100,32 +99,45 @@ def test_what_a_function_imports_counts_and_nothing_else(package: Path) -> None:
 
 #: Function of a stored job -> some of the modules that it uses, and some that it does not.
 USES = {
-    "sweep.grid.measured_row": (
-        "text.document text.copies units text.reading measures.catalogue loads.stress runs.steady_state",
-        "sweep.study runs.comparison",
+    "plugins.studies.sweep.grid.measured_row": (
+        "cases.text.document cases.text.copies cases.units cases.text.reading cases.measures.catalogue cases.loads.stress"
+        " cases.runs.steady_state",
+        "plugins.studies.sweep.study cases.runs.comparison",
     ),
-    "judging.matrix.evidence_of": ("variation judging.evidence", "runs.column_differences"),
-    "conformance.conform": ("conformance.quantities conformance.rods", "mistakes.diagnosis runs.comparison"),
-    "runs.steady_state.steady_state": ("measures.drifting_fit runs.marching", "runs.comparison runs.column_differences sweep.rows"),
-    "runs.orbit.find_orbit": ("runs.orbit", "runs.comparison"),
-    "solving.answer_to": ("solving", "text.document runs.steady_state"),
-    "resonance_curve.search.resonance_curve": ("text.copies text.reading loads.peak", "runs.comparison"),
-    "benchmark.measurement.pinned": ("trials.truth trials.methods", "runs.comparison"),
-    "classes.measurement.measured": ("classes.groups trials.truth", "runs.comparison"),
-    "thesis.finding.response.respond": ("measures.half_cycle runs.marching", "runs.comparison"),
-    "thesis.modes.thesis_modes": ("thesis.modes", "runs.comparison"),
+    "plugins.methods.judging.matrix.evidence_of": ("cases.variation plugins.methods.judging.evidence", "cases.runs.column_differences"),
+    "plugins.conform.contract.conform": ("plugins.conform.quantities plugins.conform.rods", "cases.runs.comparison"),
+    "cases.runs.steady_state.steady_state": (
+        "cases.measures.drifting_fit cases.runs.marching",
+        "cases.runs.comparison cases.runs.column_differences plugins.studies.sweep.rows",
+    ),
+    "cases.runs.orbit.find_orbit": ("cases.runs.orbit", "cases.runs.comparison"),
+    "cases.solving.answer_to": ("cases.solving", "cases.text.document cases.runs.steady_state"),
+    "plugins.studies.resonance_curve.search.resonance_curve": (
+        "cases.text.copies cases.text.reading cases.loads.peak",
+        "cases.runs.comparison",
+    ),
+    "plugins.methods.benchmark.measurement.pinned": (
+        "plugins.methods.trials.truth plugins.methods.trials.methods",
+        "cases.runs.comparison",
+    ),
+    "plugins.methods.classes.measurement.measured": (
+        "plugins.methods.classes.groups plugins.methods.trials.truth",
+        "cases.runs.comparison",
+    ),
+    "plugins.thesis.finding.response.respond": ("cases.measures.half_cycle cases.runs.marching", "cases.runs.comparison"),
+    "plugins.thesis.modes.thesis_modes": ("plugins.thesis.modes", "cases.runs.comparison"),
 }
 
 
 @pytest.mark.parametrize("name", USES)
 def test_the_key_of_a_stored_job_has_what_it_uses_and_not_what_only_talks(name: str) -> None:
     used, others = (texts.split() for texts in USES[name])
-    module, _, function = f"quickreturn.cases.{name}".rpartition(".")
+    module, _, function = f"quickreturn.{name}".rpartition(".")
     assert callable(getattr(importlib.import_module(module), function))
     sources = sources_of(module)
-    assert {f"quickreturn.cases.{each}" for each in used} <= sources.keys()
+    assert {f"quickreturn.{each}" for each in used} <= sources.keys()
     assert {"quickreturn.reference_model.model", "quickreturn.engines.own.reference", "quickreturn.cases.jobs.records"} <= sources.keys()
-    assert not {f"quickreturn.cases.{each}" for each in others} & sources.keys()
+    assert not {f"quickreturn.{each}" for each in others} & sources.keys()
     assert not {"quickreturn.cases.jobs.display", "quickreturn.engines.progress", "quickreturn.cases.printable"} & sources.keys()
 
 
@@ -154,7 +166,8 @@ def test_a_job_loads_no_module_that_its_key_lacks(made: Callable[[], Job[Any]]) 
     loaded = subprocess.run([sys.executable, "-P", "-c", RUNNING], input=order, capture_output=True, check=True).stdout.decode().split()
     assert asked.function.__module__ in loaded
     quiet = tuple(f"{each}." for each in ONLY_TALK)
-    assert {name for name in loaded if not f"{name}.".startswith(quiet)} - sources_of(asked.function.__module__).keys() == set()
+    registry = {f"quickreturn.plugins.{name}{of}" for name in plugins() for of in ("", ".plugin")}  # texts of what there is
+    assert {name for name in loaded if not f"{name}.".startswith(quiet)} - sources_of(asked.function.__module__).keys() <= registry
 
 
 def test_missing_part_is_an_error() -> None:

@@ -145,7 +145,7 @@ def test_for_a_table_of_another_case_none_is_proposed(call: Call, other: Path) -
     assert answer.code == 1
     (case,) = json.loads(answer.output)["cases"]
     told = case["slips"]["tool.csv"]
-    assert set(told) == {"time", "unexplained"}
+    assert {"time", "unexplained"} <= set(told)  # and plain factors of columns that hardly vary
     assert told["time"].startswith("a turn of the crank takes 19 % longer in it than in reference")
     assert "no single quantity of thesis-24, explains the difference of " in told["unexplained"]
     assert "thesis-17" not in str(told)

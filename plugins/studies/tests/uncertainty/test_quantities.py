@@ -45,7 +45,7 @@ def test_a_quantity_is_named_through_noise_and_none_where_nothing_or_two_differ(
 
 @pytest.mark.verify
 @pytest.mark.parametrize("by", ["reference", "mujoco"])
-@pytest.mark.parametrize("factor", [0.75, 0.9, 1.1, 1.3])
+@pytest.mark.parametrize("factor", [0.75, 0.9, 1.15])  # 1.17 times the distance of the pivots, and the slider leaves the arm
 @pytest.mark.parametrize(
     "key",
     [

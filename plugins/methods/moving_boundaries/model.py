@@ -5,13 +5,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from quickreturn.plugins.methods.moving_boundaries import tables as t
+from quickreturn.plugins.methods.moving_boundaries.equations import MovingBoundariesParameters, MovingBoundariesWorkspace
+from quickreturn.plugins.methods.moving_boundaries.observables import observables
 from quickreturn.reference_model.constants import characteristic_frequency, constants, crank_speed_scale, pace
 from quickreturn.reference_model.integrate import Equations, dop853
 from quickreturn.reference_model.integration import Integration
 from quickreturn.reference_model.mechanism import Mechanism
-from quickreturn.reference_model.moving_boundaries import tables as t
-from quickreturn.reference_model.moving_boundaries.equations import MovingBoundariesParameters, MovingBoundariesWorkspace
-from quickreturn.reference_model.moving_boundaries.observables import observables
 from quickreturn.reference_model.native.memory import Placed
 from quickreturn.reference_model.native.objects import Entry
 from quickreturn.reference_model.rigid import deflection_scale, follower_inertia, rigid_motion
@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 
 #: The equations of motion.
-KERNEL: Final = Entry("quickreturn.reference_model.moving_boundaries.equations:kernel", 4 * "i")
+KERNEL: Final = Entry("quickreturn.plugins.methods.moving_boundaries.equations:kernel", 4 * "i")
 
 
 class MovingBoundariesModel:

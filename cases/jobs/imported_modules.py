@@ -13,7 +13,7 @@ from typing import Final
 
 PACKAGE: Final = "quickreturn"
 #: The folder of the package; a checkout has links in it to the folders beside it, such as this one.
-_HOME: Final = Path(__file__).parents[1]
+_HOME: Final = Path(__file__).parents[2]
 
 _NAMES: Final = r"from[ \t]+([\w.]+)[ \t]+import[ \t]+(\([^)]*\)|[^\n]*)|import[ \t]+([^\n]+)"
 _STATEMENT: Final = re.compile(rf"^[ \t]*(?:{_NAMES})", re.MULTILINE)

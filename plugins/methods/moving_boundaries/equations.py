@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
 
+from quickreturn.plugins.methods.moving_boundaries import tables as t
 from quickreturn.reference_model.compiled_state import state_without_slider_at
-from quickreturn.reference_model.moving_boundaries import tables as t
 from quickreturn.reference_model.native.compilation import inner
 from quickreturn.reference_model.native.memory import Cube, Matrix, Vector
 from quickreturn.reference_model.native.pointers import reader

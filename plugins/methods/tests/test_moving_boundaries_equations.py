@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from scipy.integrate import trapezoid
 
+from quickreturn.plugins.methods.moving_boundaries import tables as t
+from quickreturn.plugins.methods.moving_boundaries.equations import FORCE, KINETIC, TORQUE
+from quickreturn.plugins.methods.moving_boundaries.model import MovingBoundariesModel
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from quickreturn.reference_model.model import BeamModel
-from quickreturn.reference_model.moving_boundaries import tables as t
-from quickreturn.reference_model.moving_boundaries.equations import FORCE, KINETIC, TORQUE
-from quickreturn.reference_model.moving_boundaries.model import MovingBoundariesModel
 from quickreturn.reference_model.natural_modes import supported_modes
 from quickreturn.reference_model.rigid import rigid_kinetostatics, rigid_motion
 from tests.engines.scenes import run_24
