@@ -105,7 +105,7 @@ class Solution(Printable):
     @cached_property
     def loads(self) -> "Loads":
         """Loads on the parts: stress along the arm, forces in joints and bearings; estimates are the columns' largest errors."""
-        return answered(self.request.loads_job(self.result), self.store)[0]
+        return value_here(self.request.loads_job(self.result), self.store)[0]
 
     @property
     def settings(self) -> dict[str, Any]:
@@ -203,7 +203,7 @@ class Solution(Printable):
         """
         result = self.result
         name, remark = ESTIMATE[result.estimate_of]
-        asked = "" if result.accuracy is None else f"asked: {result.accuracy:g}"
+        wanted = "" if result.accuracy is None else f"asked: {result.accuracy:g}"
         rows = []
         for column in (each for each in ESTIMATED if each in self.trajectory.columns):
             relative, size = result.error_estimates[column], rms(self.trajectory[column])
@@ -211,7 +211,7 @@ class Solution(Printable):
             words = column.removeprefix("tip_").removeprefix("slider_").replace("_", " ")
             if column == "tip_deflection" and relative is None and result.error_estimate is not None:
                 relative, size, words = result.error_estimate, self.case.scene.follower.length, "tip's place"
-            about = "; ".join(filter(None, (asked, remark))) if column == "tip_deflection" else ""
+            about = "; ".join(filter(None, (wanted, remark))) if column == "tip_deflection" else ""
             rows.append((words, _digits(relative), "" if relative is None else unit.text(relative * size, ".1e"), about))
         for words, columns in (("moments", BENDING), ("normal forces", AXIAL), ("bearings", BEARINGS)):
             if estimates := [estimate for column in columns if (estimate := result.error_estimates.get(column)) is not None]:
@@ -257,7 +257,7 @@ def simulate(
     request = request_of(scene, engine, as_texts(settings or {}), checked(accuracy), estimate, time_limit)
     kept = opened_store() if store else None
     with compilation_announced(quiet):
-        answer, stored = answered(request.job(chosen.name), kept)
+        answer, stored = value_here(request.job(chosen.name), kept)
     return Solution.of(scene, request, answer, kept, stored)
 
 
@@ -299,7 +299,7 @@ def modes(
     scene, chosen, texts = one_case(case), engine_from(engine), as_texts(settings or {})
     job = frequencies_job(chosen.name, scene.mechanism, engine, [math.radians(angle) for angle in angles], count, texts)
     with compilation_announced(quiet):
-        answer, _ = answered(job, opened_store() if store else None)
+        answer, _ = value_here(job, opened_store() if store else None)
     table = pd.DataFrame(answer.values, index=pd.Index(angles, name="crank angle [deg]"))
     table.columns = pd.Index([f"mode {number} [Hz]" for number in range(1, table.shape[1] + 1)])
     table.attrs.update(case=scene.name, engine=chosen.name, version=answer.version, settings=answer.settings)
@@ -322,7 +322,7 @@ def request_of(
     )
 
 
-def answered(job: Job[T], store: Store | None) -> tuple[T, bool]:
+def value_here(job: Job[T], store: Store | None) -> tuple[T, bool]:
     """The value of a job in this process, and whether it was in the store. Raises as the job."""
     [outcome] = outcomes_of([job], "", ThisProcess(), store)
     if outcome.error is not None:

@@ -91,8 +91,8 @@ class TableComparison(Printable):
         others = " and ".join(dict.fromkeys(check.other for check in self.missed or self.rows))
         if not self.missed:
             count = agreement(self.rows)["says_nothing"]
-            told = f"; {count} of them say nothing, for more is claimed than {SAYS_NOTHING}" if count else ""
-            return f"{self.name} is within what is claimed of {others} in all {len(self.rows)} comparisons{told}"
+            silent = f"; {count} of them say nothing, for more is claimed than {SAYS_NOTHING}" if count else ""
+            return f"{self.name} is within what is claimed of {others} in all {len(self.rows)} comparisons{silent}"
         return f"{self.name} departs from {others} by more than is claimed in {len(self.missed)} of {len(self.rows)} comparisons"
 
     @cached_property
@@ -132,8 +132,8 @@ class TableComparison(Printable):
         return [other for other in self.result.runs.values() if self.run.usable and other.usable]
 
     def _parts(self) -> list[Cell]:
-        told = self.run.recording.told if self.run.recording else ""
-        return [*([f"{self.name}: {told}"] if told else []), *parts_of_tables(self.result, [self])]
+        form = self.run.recording.told if self.run.recording else ""
+        return [*([f"{self.name}: {form}"] if form else []), *parts_of_tables(self.result, [self])]
 
 
 def compare(

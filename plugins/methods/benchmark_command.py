@@ -112,7 +112,7 @@ def _row(trial: "Trial", best: bool, settings: str) -> tuple[str, ...]:
     head = ("*" if best else "", trial.method, settings)
     if not trial.completed:
         return (*head, *[""] * 7, trial.status)
-    shown = [trial.error_of(column) for column in ("tip_deflection", "tip_acceleration", "strain", "slider_force")]
+    errors = [trial.error_of(column) for column in ("tip_deflection", "tip_acceleration", "strain", "slider_force")]
     times = (f"{trial.seconds:.4f}", f"{trial.solve_seconds_largest:.4f}")
     free = "-" if trial.degrees_of_freedom is None else str(trial.degrees_of_freedom)
-    return (*head, free, *times, *("-" if value is None else f"{value:.1e}" for value in shown), "")
+    return (*head, free, *times, *("-" if value is None else f"{value:.1e}" for value in errors), "")

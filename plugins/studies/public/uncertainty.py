@@ -114,12 +114,12 @@ def points_of(
     if not uncertain and "uncertain" not in study:
         accepted = 'give a value of it a tolerance, such as thickness = "6 mm +- 0.1 mm", or write a study with a table [uncertain]'
         raise CaseError(file, None, None, "has no tolerances", accepted)
-    asked = samples or study.get("samples", SAMPLES)
-    points = planned(case, uncertain, request, asked, source if "uncertain" in study else file)
-    if asked < (least := least_points(len(points.distributions))):
+    count = samples or study.get("samples", SAMPLES)
+    points = planned(case, uncertain, request, count, source if "uncertain" in study else file)
+    if count < (least := least_points(len(points.distributions))):
         given, key = (Argument("samples"), None) if samples is not None else (source, "samples")
         problem = f"points are too few for {len(points.distributions)} uncertain quantities"
-        raise CaseError(given, key, str(asked), problem, f"at least {least} are needed, or fewer uncertain quantities")
+        raise CaseError(given, key, str(count), problem, f"at least {least} are needed, or fewer uncertain quantities")
     return points
 
 

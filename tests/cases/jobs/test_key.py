@@ -19,6 +19,7 @@ from quickreturn.cases.jobs import imported_modules, key
 from quickreturn.cases.jobs.job import Job, Limits
 from quickreturn.cases.jobs.key import ONLY_TALK, code_fingerprint, code_of, hash_of, key_of, sources_of
 from quickreturn.cases.solving import frequencies_job
+from quickreturn.engines.plugins import plugins
 from quickreturn.plugins.studies.sweep import grid
 from quickreturn.plugins.studies.sweep.rows import MeasureRequest
 from tests.engines.fake_engine import FakeEngine
