@@ -1,13 +1,14 @@
-"""`quickreturn benchmark`: error against solve time over each engine's settings."""
+"""`quickreturn benchmark`: error against solve time over each engine's settings; and `advise`: which method, by the map of classes."""
 
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, Final
 
 import click
 
 import quickreturn as qr
 from quickreturn.commands import options
-from quickreturn.commands.console import Call, ExitCode, tell
-from quickreturn.computing import workshop
+from quickreturn.commands.console import Call, ExitCode, tell, tell_doubts
+from quickreturn.computing import HIGHEST, LOWEST, workshop
 from quickreturn.reports.output import print_json, print_table
 
 if TYPE_CHECKING:
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
 _KNOWN: Final = ("engine", "settings", "status")
 _TIMES: Final = ("solve_seconds", "solve_seconds_median", "solve_seconds_largest", "repetitions", "setup_seconds", "estimate_seconds")
 _MEASURED: Final = ("degrees_of_freedom", "errors", *_TIMES)
+
+#: Fields of a trial in the document of `advise`.
+_ADVISED: Final = ("scene", "engine", "level", "status", "solve_seconds", "waited_seconds", "error", "remark")
 
 
 @options.command(
@@ -116,3 +120,23 @@ def _row(trial: "Trial", best: bool, settings: str) -> tuple[str, ...]:
     times = (f"{trial.seconds:.4f}", f"{trial.solve_seconds_largest:.4f}")
     free = "-" if trial.degrees_of_freedom is None else str(trial.degrees_of_freedom)
     return (*head, free, *times, *("-" if value is None else f"{value:.1e}" for value in errors), "")
+
+
+@options.command(
+    options.cases,
+    options.tag,
+    options.accuracy_of(default="0.01", show_default=True, help=f"Wanted relative error of the tip deflection, {HIGHEST:g} to {LOWEST:g}."),
+    options.case_assignments,
+    options.json,
+)
+def advise(call: Call) -> None:
+    """Say where CASE lies on the map of classes, and which methods were the fastest there to an error.
+
+    The map was recorded: one turn of the crank from the standard start, by every engine, in scenes that cover the dimensionless groups.
+    Nothing is simulated. The output names each quantity that lies outside the map. With several cases the JSON document is a list.
+    """
+    loaded = call.loaded()
+    found = [qr.advise(case, call.accuracy or 0.01) for case in loaded]
+    tell_doubts(loaded)
+    documents = [asdict(each) | {"reaches": [{key: getattr(trial, key) for key in _ADVISED} for trial in each.reaches]} for each in found]
+    call.show_each(documents, "\n\n".join(map(str, found)))
