@@ -12,6 +12,7 @@ from quickreturn.cases.runs.endings import Ending
 from quickreturn.commands import options, tables
 from quickreturn.commands.console import Call, ExitCode, check_file, tell, tell_slow, write
 from quickreturn.pack.check import LARGEST, BadInput, judged
+from quickreturn.reports.output import print_json
 
 if TYPE_CHECKING:
     from quickreturn.cases.runs.comparison import CaseResult
@@ -38,9 +39,12 @@ def run(call: Call) -> int:
 
     tell_slow(loaded)
     found = qr.run(loaded, call.engines, accuracy=call.accuracy, settings=call.settings)
-    parts = [parts_of(result) for result in found.results if not all(each.status == Ending.REFUSED for each in result.runs.values())]
-    if parts or call.as_json:  # otherwise there is nothing to show
-        call.show(as_document(found.results, found.notices), "\n".join(map(in_lines, parts)))
+    if call.as_json:
+        print_json(as_document(found.results, found.notices))
+        return _exit_code(call, found.results)
+    for result in found.results:
+        if not all(each.status == Ending.REFUSED for each in result.runs.values()):  # otherwise there is nothing to show
+            click.echo(in_lines(parts_of(result)))
     return _exit_code(call, found.results)
 
 
@@ -83,13 +87,15 @@ def compare(call: Call, files: Sequence[str], writes_mapping: bool, **reading: A
     from quickreturn.verdict_text import as_document
 
     results = compared(loaded, tables.read(files, reading), call.engines, accuracy=call.accuracy, settings=call.settings)
-    compared_tables = [tables_in(result) for result in results]
-    document = as_document(results, [] if call.store is None else call.store.notices)
-    for entry, each in zip(document["cases"], compared_tables, strict=True):
-        for key, name in (("differences", "differences"), ("places", "places"), ("slips", "explanations")):
-            entry[key] = {table.name: getattr(table, name) for table in each}
-    texts = [in_lines(parts_of_tables(result, each)) for result, each in zip(results, compared_tables, strict=True)]
-    call.show(document, "\n".join(texts))
+    tables_of = [tables_in(result) for result in results]
+    if call.as_json:
+        document = as_document(results, [] if call.store is None else call.store.notices)
+        for entry, each in zip(document["cases"], tables_of, strict=True):
+            for key, name in (("differences", "differences"), ("places", "places"), ("slips", "explanations")):
+                entry[key] = {table.name: getattr(table, name) for table in each}
+        print_json(document)
+    else:
+        click.echo("\n".join(in_lines(parts_of_tables(result, each)) for result, each in zip(results, tables_of, strict=True)))
     if call.output:
         from quickreturn.reports.drawing.recorded import drawn
 
