@@ -5,9 +5,9 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
-from quickreturn.cases.displayed import Cell, Displayed, Rows
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.keys import PATHS, PLUS_MINUS, shown_value
+from quickreturn.cases.printable import Cell, Printable, Rows
 from quickreturn.cases.shown import Units, units_named, units_of
 from quickreturn.cases.text.copies import in_words, name_of_copy
 from quickreturn.cases.text.document import Document, check_mapping, header_of, read_document
@@ -19,7 +19,7 @@ from quickreturn.reference_model.tip import ForceTable
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Case(Displayed):
+class Case(Printable):
     """A named scene in SI units with its simulation times.
 
     Attributes:

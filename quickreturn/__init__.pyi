@@ -1,15 +1,18 @@
 """The public names, each once: `quickreturn/__init__.py` reads them here, as type checkers do."""
 
+from quickreturn.arguments import case as case
+from quickreturn.arguments import list_cases as list_cases
 from quickreturn.cases.case import Case as Case
 from quickreturn.cases.columns import UnknownColumn as UnknownColumn
 from quickreturn.cases.errors import CaseError as CaseError
 from quickreturn.cases.recorded import RecordedTable as RecordedTable
 from quickreturn.cases.recorded import read_table as read_table
-from quickreturn.catalogue import case as case
-from quickreturn.catalogue import list_cases as list_cases
 from quickreturn.cross_validation import CrossValidation as CrossValidation
+from quickreturn.cross_validation import Explanation as Explanation
+from quickreturn.cross_validation import explain as explain
 from quickreturn.cross_validation import report as report
 from quickreturn.cross_validation import run as run
+from quickreturn.descriptions import list_engines as list_engines
 from quickreturn.engines.base import Comparison as Comparison
 from quickreturn.engines.base import Engine as Engine
 from quickreturn.engines.base import EngineFailure as EngineFailure
@@ -28,9 +31,6 @@ from quickreturn.engines.simple import SimpleEngine as SimpleEngine
 from quickreturn.engines.start import Start as Start
 from quickreturn.engines.start_state import reconstruct as reconstruct
 from quickreturn.engines.trajectory import Trajectory as Trajectory
-from quickreturn.explanation import Explanation as Explanation
-from quickreturn.explanation import explain as explain
-from quickreturn.frequencies import modes as modes
 from quickreturn.plugins.conform.contract import conform as conform
 from quickreturn.plugins.methods.advice import Advice as Advice
 from quickreturn.plugins.methods.advice import advise as advise
@@ -41,8 +41,8 @@ from quickreturn.plugins.studies.public.sweeping import case_at as case_at
 from quickreturn.plugins.studies.public.sweeping import measures as measures
 from quickreturn.plugins.studies.public.sweeping import sweep as sweep
 from quickreturn.plugins.studies.public.uncertainty import uncertainty as uncertainty
-from quickreturn.questions import list_engines as list_engines
 from quickreturn.solution import Solution as Solution
+from quickreturn.solution import modes as modes
 from quickreturn.solution import simulate as simulate
 from quickreturn.table_comparison import Differences as Differences
 from quickreturn.table_comparison import TableComparison as TableComparison

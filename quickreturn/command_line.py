@@ -32,21 +32,21 @@ if TYPE_CHECKING:
 #: The commands in the order of `--help`: module of `quickreturn.commands`, and first sentence of the help. Those of plugins follow.
 COMMANDS: Final = {
     "engines": (
-        "engines",
+        "cases",
         "List the engines: name, version, method, available or why not; for one ENGINE also its settings and default accuracy.",
     ),
     "cases": ("cases", "List the cases of the library: name, tags, title."),
     "new": ("cases", "Write a case file of your own to FILE, with the meaning of every key beside it."),
     "show": ("cases", "Show the scene of CASE and the parts, joints and degrees of freedom that each engine builds."),
-    "simulate": ("simulate", "Simulate CASE from the standard start; with --output, write the trajectory."),
-    "modes": ("modes", "Compute natural frequencies (Hz) of CASE with the crank held: follower straight, at rest, no gravity, undamped."),
-    "run": ("run", "Bring engines to their steady state on each CASE, measure and compare them."),
-    "compare": ("run", "Measure recorded tables of CASE and compare them with engines."),
-    "check": ("check", "Judge a table by the reference results of PROBLEM."),
-    "report": ("report", "Write the report on each CASE; without one, on the 24 runs of the thesis."),
-    "explain": ("explain", "Say in about ten sentences what happens in a turn of CASE in its steady state, with numbers."),
-    "plot": ("pictures", "Draw each CASE; with --engine, simulate it and draw columns of its trajectory over time."),
-    "animate": ("pictures", "Simulate CASE from the standard start and draw it moving, engines over each other."),
+    "simulate": ("motions", "Simulate CASE from the standard start; with --output, write the trajectory."),
+    "modes": ("motions", "Compute natural frequencies (Hz) of CASE with the crank held: follower straight, at rest, no gravity, undamped."),
+    "run": ("comparisons", "Bring engines to their steady state on each CASE, measure and compare them."),
+    "compare": ("comparisons", "Measure recorded tables of CASE and compare them with engines."),
+    "check": ("comparisons", "Judge a table by the reference results of PROBLEM."),
+    "report": ("comparisons", "Write the report on each CASE; without one, on the 24 runs of the thesis."),
+    "explain": ("comparisons", "Say in about ten sentences what happens in a turn of CASE in its steady state, with numbers."),
+    "plot": ("motions", "Draw each CASE; with --engine, simulate it and draw columns of its trajectory over time."),
+    "animate": ("motions", "Simulate CASE from the standard start and draw it moving, engines over each other."),
 }
 
 #: Environment variable by which a shell asks for completions, see `quickreturn --help`.
@@ -137,8 +137,8 @@ def _quiet_option() -> click.Option:
     def keep(context: click.Context, option: click.Parameter, given: bool) -> None:
         context.ensure_object(Call).quiet |= given
 
-    told = "Do not report progress; errors and doubtful values are still reported."
-    return click.Option(["-q", "--quiet"], is_flag=True, expose_value=False, callback=keep, help=told)
+    words = "Do not report progress; errors and doubtful values are still reported."
+    return click.Option(["-q", "--quiet"], is_flag=True, expose_value=False, callback=keep, help=words)
 
 
 @click.group(name="quickreturn", cls=CommandGroup, context_settings={"help_option_names": ["-h", "--help"]}, params=[_quiet_option()])
@@ -167,35 +167,49 @@ def main(argv: Sequence[str] | None = None) -> int:
     if before is signal.default_int_handler:  # otherwise it is ignored, or another program handles it
         signal.signal(signal.SIGINT, _Interrupts())
     try:
-        return _answered(list(sys.argv[1:] if argv is None else argv))
+        return _exit_code(list(sys.argv[1:] if argv is None else argv))
     finally:
         if argv is not None and signal.getsignal(signal.SIGINT) is not before:  # the caller goes on; a program only leaves
             signal.signal(signal.SIGINT, before)
 
 
-def _answered(arguments: list[str]) -> int:
+def _exit_code(arguments: list[str]) -> int:
     """The exit code of a call."""
     for stream in (sys.stdout, sys.stderr):  # a terminal that lacks a sign gets an escape in its place
         with contextlib.suppress(AttributeError):
             stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
+    call = Call()
     try:
         if instruction := os.environ.get(COMPLETION):  # the shell asks for completions
             return shell_complete(quickreturn, {}, "quickreturn", COMPLETION, instruction)
-        code = _run(arguments or ["--help"])
+        try:
+            with quickreturn.make_context("quickreturn", arguments or ["--help"], obj=call) as context:
+                code = quickreturn.invoke(context)
+        except click.exceptions.Exit as leaving:  # --help
+            code = leaving.exit_code
         sys.stdout.flush()
+        return code if isinstance(code, int) else ExitCode.GOOD
     except BrokenPipeError:  # the reader (`head`) has enough
         _drop_output()
         return ExitCode.GOOD
     except (KeyboardInterrupt, click.Abort):
-        return _interrupted(None)
+        with contextlib.suppress(ValueError):  # not the main thread
+            signal.signal(signal.SIGINT, signal.SIG_IGN)  # only the exit remains
+        tell(_interruption(call.store))
+        return ExitCode.INTERRUPTED
     except click.ClickException as error:
-        return _told(_with_help(error), ExitCode.BAD_INPUT)
+        tell(_with_help(error))
+    except ToldError as error:
+        for sentence in _sentences(error):
+            tell(sentence)
+        return ExitCode.ENGINE_TROUBLE if isinstance(error, EngineTrouble) else ExitCode.BAD_INPUT
     except Exception as error:  # the last resort: one sentence for any error
-        if isinstance(error, OSError) and error.filename is None and error.errno in FULL:  # errors of files have sentences of their own
-            _drop_output()
-            return _told(f"standard output cannot be written ({os.strerror(error.errno).lower()})", ExitCode.BAD_INPUT)
-        return _told_of(error)
-    return code
+        if not (isinstance(error, OSError) and error.filename is None and error.errno in FULL):  # files have sentences of their own
+            tell(f"unforeseen: {type(error).__name__}: {error}; please report this")
+            return ExitCode.ENGINE_TROUBLE
+        _drop_output()
+        tell(f"standard output cannot be written ({os.strerror(error.errno).lower()})")
+    return ExitCode.BAD_INPUT
 
 
 class _Interrupts:
@@ -217,30 +231,15 @@ def _drop_output() -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-def _run(arguments: list[str]) -> int:
-    try:
-        with quickreturn.make_context("quickreturn", arguments) as context:
-            try:
-                result = quickreturn.invoke(context)
-            except (KeyboardInterrupt, click.Abort):
-                return _interrupted(context.ensure_object(Call).store)
-    except click.exceptions.Exit as leaving:  # --help
-        return leaving.exit_code
-    return result if isinstance(result, int) else ExitCode.GOOD
-
-
-def _interrupted(store: "Store | None") -> int:
-    """Say what is kept and how to go on."""
-    with contextlib.suppress(ValueError):  # not the main thread
-        signal.signal(signal.SIGINT, signal.SIG_IGN)  # only the exit remains
+def _interruption(store: "Store | None") -> str:
+    """What is kept after Ctrl-C, and how to go on."""
     if store is None:
-        return _told("interrupted; nothing is kept, the same command begins anew", ExitCode.INTERRUPTED)
+        return "interrupted; nothing is kept, the same command begins anew"
     count, folder = store.written, store.folder
     kept = f"{count} result{'s' * (count > 1)} of this call" if count else "no result was finished; those of earlier calls"
     if pieces := 0 if count else store.pieces:
         kept = f"no result was finished; {pieces} piece{'s' * (pieces > 1)} of what was begun"
-    told = f"interrupted; {kept} {'is' if count == 1 or pieces == 1 else 'are'} kept in {folder}; the same command goes on from there"
-    return _told(told, ExitCode.INTERRUPTED)
+    return f"interrupted; {kept} {'is' if count == 1 or pieces == 1 else 'are'} kept in {folder}; the same command goes on from there"
 
 
 def _with_help(error: click.ClickException) -> str:
@@ -256,15 +255,6 @@ def _with_help(error: click.ClickException) -> str:
     return f"{message.rstrip('.')}; see {context.command_path} --help"
 
 
-def _told_of(error: Exception) -> int:
-    """Print the error, a line for each mistake, and choose the exit code."""
-    if not isinstance(error, ToldError):
-        return _told(f"unforeseen: {type(error).__name__}: {error}; please report this", ExitCode.ENGINE_TROUBLE)
-    for sentence in _sentences(error):
-        tell(sentence)
-    return ExitCode.ENGINE_TROUBLE if isinstance(error, EngineTrouble) else ExitCode.BAD_INPUT
-
-
 def _sentences(error: ToldError) -> list[str]:
     """One sentence for each mistake, which names the option that is at fault, if one is."""
     if not isinstance(error, CaseError):
@@ -273,8 +263,3 @@ def _sentences(error: ToldError) -> list[str]:
     for name in {each.source for each in (error, *error.further) if isinstance(each.source, Argument)}:
         lines = [f"{OPTIONS[name]}{line.removeprefix(name)}" if line.startswith(f"{name}: ") else line for line in lines]
     return lines
-
-
-def _told(sentence: str, code: int) -> int:
-    tell(sentence)
-    return code

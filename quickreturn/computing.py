@@ -1,15 +1,28 @@
-"""Where and how the jobs of commands and of public functions run."""
+"""Where and how jobs run, and the accuracies that a caller may choose."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from numbers import Real
+from typing import TYPE_CHECKING, Final
 
 from quickreturn.cases.jobs.job import ExecutorError, Limits
 
 if TYPE_CHECKING:
     from quickreturn.cases.case import Case
     from quickreturn.cases.jobs.workshop import Workshop
+
+#: Relative errors of the tip deflection that a caller may choose.
+LOWEST: Final = 1e-4
+HIGHEST: Final = 0.05
+
+
+def checked(accuracy: float | None) -> float | None:
+    """The accuracy itself, which may be None. ValueError: it is no number in the range."""
+    if accuracy is not None and not (isinstance(accuracy, Real) and LOWEST <= accuracy <= HIGHEST):
+        raise ValueError(f"accuracy={accuracy!r}: numbers from {LOWEST:g} to {HIGHEST:g} can be asked for")
+    return accuracy
 
 
 @dataclass(frozen=True)
@@ -20,39 +33,48 @@ class Computing:
         jobs: processes of this machine at a time; None: one per core.
         cluster: address of the Dask scheduler that distributes the jobs in place of this machine; None: there is none.
         limits: time and memory that a job may take; None: the default ones.
-        store: whether results are stored, and stored ones used, where that can be chosen.
         quiet: whether progress on standard error is left out.
+        tell: called with each notice of the store at once. Results of public functions carry the notices.
+        begun: called with the workshop, the cases and the engines before anything runs.
     """
 
     jobs: int | None = None
     cluster: str | None = None
     limits: Limits | None = None
-    store: bool = True
     quiet: bool = False
+    tell: Callable[[str], object] = lambda notice: None
+    begun: "Callable[[Workshop, Sequence[Case], Sequence[str]], object]" = lambda workshop, cases, engines: None
 
-    def tell(self, notice: str) -> None:
-        """Called with each notice of the store at once. Results of public functions carry the notices."""
 
-    @contextmanager
-    def opened(self, cases: "Sequence[Case]" = (), engines: Sequence[str] = ()) -> "Iterator[Workshop]":
-        """The store of results, and what computes. A command announces `cases` and `engines`.
+#: What a command has chosen by its options; None: a public function was called from Python, and its arguments count.
+CHOSEN: ContextVar[Computing | None] = ContextVar("CHOSEN", default=None)
 
-        Raises:
-            StoreError: the folder of results cannot be used.
-            ExecutorError: the cluster cannot be used.
-        """
-        from quickreturn.cases.jobs.processes import LocalProcesses
-        from quickreturn.cases.jobs.store import Store
-        from quickreturn.cases.jobs.workshop import Workshop
 
-        store = Store(tell=self.tell)
-        if self.cluster is None:
-            yield Workshop(store, LocalProcesses(self.jobs, self.limits, quiet=self.quiet))
-            return
-        try:
-            from quickreturn.cases.jobs.cluster import cluster
-        except ModuleNotFoundError as error:
-            advice = "try pip install 'quickreturn[cluster]'"
-            raise ExecutorError(f"cluster {self.cluster}: the package {error.name} is not installed; {advice}") from error
-        with cluster(self.cluster, self.limits, self.quiet) as executor:
-            yield Workshop(store, executor)
+@contextmanager
+def workshop(jobs: int | None, quiet: bool, cases: "Sequence[Case]" = (), engines: Sequence[str] = ()) -> "Iterator[Workshop]":
+    """The store of results, and what computes: as a command has chosen, or else by the arguments of a public function.
+
+    Raises:
+        StoreError: the folder of results cannot be used.
+        ExecutorError: the cluster cannot be used.
+    """
+    from quickreturn.cases.jobs.processes import LocalProcesses
+    from quickreturn.cases.jobs.store import Store
+    from quickreturn.cases.jobs.workshop import Workshop
+
+    how = CHOSEN.get() or Computing(jobs, quiet=quiet)
+    store = Store(tell=how.tell)
+    if how.cluster is None:
+        opened = Workshop(store, LocalProcesses(how.jobs, how.limits, quiet=how.quiet))
+        how.begun(opened, cases, engines)
+        yield opened
+        return
+    try:
+        from quickreturn.cases.jobs.cluster import cluster
+    except ModuleNotFoundError as error:
+        advice = "try pip install 'quickreturn[cluster]'"
+        raise ExecutorError(f"cluster {how.cluster}: the package {error.name} is not installed; {advice}") from error
+    with cluster(how.cluster, how.limits, how.quiet) as executor:
+        opened = Workshop(store, executor)
+        how.begun(opened, cases, engines)
+        yield opened

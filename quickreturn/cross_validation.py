@@ -1,28 +1,26 @@
-"""Measures engines on cases in their steady state and compares their differences with their claims; and writes the report."""
+"""Engines in their steady state: measured and compared, as a report, and as an explanation of a turn."""
 
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from quickreturn.accuracy import checked
-from quickreturn.cases.case import Case
+from quickreturn.arguments import AnyCase, AnyEngineOrTable, given_settings, loaded, one_case, prepared
 from quickreturn.cases.columns import known_column
-from quickreturn.cases.displayed import Cell, Displayed
 from quickreturn.cases.errors import as_written, nearest_or_all
 from quickreturn.cases.measures.catalogue import MEASURES, numbers
 from quickreturn.cases.measures.cycle import EXTREMES, VIBRATION
+from quickreturn.cases.printable import Cell, Printable
 from quickreturn.cases.runs.campaign import cross_validate
 from quickreturn.cases.runs.comparison import CaseResult, Difference
 from quickreturn.cases.runs.request import Run
-from quickreturn.catalogue import AnyCase, loaded
-from quickreturn.computing import Computing
-from quickreturn.engine_choice import AnyEngineOrTable, prepared
+from quickreturn.computing import checked, workshop
 from quickreturn.engines.registry import MAIN
-from quickreturn.engines.settings import SettingError, as_texts
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reports.results.loads import loads_of_case, numbers_of_case
+from quickreturn.reports.results.turn import Statement, statements
 from quickreturn.solution import framed
 from quickreturn.verdict_text import parts_of
 
@@ -36,7 +34,7 @@ if TYPE_CHECKING:
 _NUMBERS = (*VIBRATION, *EXTREMES)
 
 
-class CrossValidation(Displayed):
+class CrossValidation(Printable):
     """Results of some engines on some cases.
 
     `passed` says whether all engines delivered and agree within their claims, `departures` where they disagree:
@@ -171,21 +169,11 @@ def run(
         StoreError: the folder of results cannot be used.
         KeyboardInterrupt: Ctrl-C; finished results are kept.
     """
-    return validated(loaded(cases), engines, given_settings(settings), accuracy, Computing(jobs, quiet=quiet))
-
-
-def validated(
-    cases: Sequence[Case],
-    engines: "AnyEngineOrTable | Iterable[AnyEngineOrTable]",
-    settings: Mapping[str, Mapping[str, str]],
-    accuracy: float | None,
-    computing: Computing,
-) -> CrossValidation:
-    """The results of `run` on loaded cases, with settings by engine as texts."""
-    names, texts, tables = prepared(cases, engines, settings)
-    with computing.opened(cases, names) as workshop:
-        results = cross_validate(cases, workshop, names, checked(accuracy), texts, tables)
-    return CrossValidation(results, workshop.store.notices)
+    chosen = loaded(cases)
+    names, texts, tables = prepared(chosen, engines, given_settings(settings))
+    with workshop(jobs, quiet, chosen, names) as opened:
+        results = cross_validate(chosen, opened, names, checked(accuracy), texts, tables)
+    return CrossValidation(results, opened.store.notices)
 
 
 def report(
@@ -209,27 +197,69 @@ def report(
         CaseError, SettingError, StoreError, KeyboardInterrupt: as `run`.
         OutputError: the folder cannot be written to.
     """
-    return reported(loaded(cases), folder, engines, given_settings(settings), accuracy, Computing(jobs, quiet=quiet)).page
+    return written_report(cases, folder, engines, accuracy=accuracy, settings=settings, jobs=jobs, quiet=quiet).page
 
 
-def reported(
-    cases: Sequence[Case],
+def written_report(
+    cases: AnyCase | Iterable[AnyCase],
     folder: "str | os.PathLike[str]",
     engines: "AnyEngineOrTable | Iterable[AnyEngineOrTable]",
-    settings: Mapping[str, Mapping[str, str]],
-    accuracy: float | None,
-    computing: Computing,
+    *,
+    accuracy: float | None = None,
+    settings: Mapping[str, Mapping[str, Any]] | None = None,
+    jobs: int | None = None,
+    quiet: bool = False,
 ) -> "Written":
-    """The report of `report` on loaded cases, with settings by engine as texts."""
+    """As `report`; what was written, with the runs that failed."""
     from quickreturn.reports.report import write_report
 
-    names, texts, tables = prepared(cases, engines, settings)
-    with computing.opened(cases, names) as workshop:
-        return write_report(cases, Path(folder), workshop, names, tables, checked(accuracy), texts)
+    chosen = loaded(cases)
+    names, texts, tables = prepared(chosen, engines, given_settings(settings))
+    with workshop(jobs, quiet, chosen, names) as opened:
+        return write_report(chosen, Path(folder), opened, names, tables, checked(accuracy), texts)
 
 
-def given_settings(settings: Mapping[str, Mapping[str, Any]] | None) -> dict[str, dict[str, str]]:
-    """Settings by engine, as texts. SettingError: `settings` is not such a dictionary."""
-    if not isinstance(settings or {}, Mapping):
-        raise SettingError(f'settings: {settings!r} is no dictionary by engine, such as {{"mujoco": {{"links": 16}}}}')
-    return {name: as_texts(values, f'settings["{name}"]') for name, values in (settings or {}).items()}
+@dataclass(frozen=True, repr=False)
+class Explanation(Printable):
+    """What happens in a turn of a machine in its steady state.
+
+    Attributes:
+        case: name of the machine.
+        title: its title.
+        run: the run of the engine from which the sentences are read.
+        statements: sentences with topic and numbers (SI); none if the run has no settled turn.
+    """
+
+    case: str
+    title: str
+    run: Run
+    statements: tuple[Statement, ...]
+
+    def _parts(self) -> Iterator[Cell]:
+        yield f"{self.case}: {self.title}"
+        yield from (f"- {each.sentence}" for each in self.statements)
+
+
+def explain(
+    case: AnyCase,
+    engine: str | os.PathLike[str] = "reference",
+    *,
+    accuracy: float | None = None,
+    settings: Mapping[str, Any] | None = None,
+    quiet: bool = False,
+) -> Explanation:
+    """Say what happens in a turn of a machine in its steady state; the run is that of `qr.run`, from the store if it is there.
+
+    Args:
+        case: a name, a path or a `Case`.
+        engine: name, or path of a file that declares one.
+        accuracy: relative error of the tip deflection asked for; None: the engine's default.
+        settings: settings of the engine, by name.
+        quiet: whether progress on standard error is left out.
+
+    Raises:
+        CaseError, UnknownEngine, Refusal, SettingError, StoreError, KeyboardInterrupt: as `run`.
+    """
+    chosen, name = one_case(case), os.fspath(engine)
+    found = run([chosen], [name], accuracy=accuracy, settings={name: settings or {}}, quiet=quiet)[chosen.name, name]
+    return Explanation(chosen.name, chosen.title, found, tuple(statements(chosen, found)))

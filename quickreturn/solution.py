@@ -1,27 +1,29 @@
-"""One trajectory of one engine on one case, from the standard start, with its error estimates."""
+"""One engine on one case: its trajectory from the standard start, with error estimates, and its natural frequencies."""
 
+import math
 import os
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from quickreturn.accuracy import checked
+import numpy as np
+
+from quickreturn.arguments import AnyCase, engine_given, one_case
 from quickreturn.cases.case import Case
 from quickreturn.cases.columns import known_column
-from quickreturn.cases.displayed import Cell, Displayed, Rows
 from quickreturn.cases.jobs.display import compilation_announced
 from quickreturn.cases.jobs.in_process import ThisProcess
 from quickreturn.cases.jobs.job import Job, T
 from quickreturn.cases.jobs.store import Store, StoreError
 from quickreturn.cases.jobs.workshop import outcomes_of
 from quickreturn.cases.loads.arm import missing
-from quickreturn.cases.solving import Answer, TrajectoryRequest
-from quickreturn.catalogue import AnyCase, one_case
+from quickreturn.cases.printable import Cell, Printable, Rows
+from quickreturn.cases.solving import Answer, TrajectoryRequest, frequencies_job
+from quickreturn.computing import checked
 from quickreturn.dataset import dataset_of
-from quickreturn.engine_choice import engine_given
 from quickreturn.engines.accurate import NOT_ESTIMATED, Result
 from quickreturn.engines.base import AnyEngine, Engine, EngineFailure
 from quickreturn.engines.error_parts import ESTIMATED, TIP, ErrorPart
@@ -39,13 +41,13 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
+    from quickreturn.arguments import AnyEngineOrTable
     from quickreturn.cases.loads import Loads
-    from quickreturn.engine_choice import AnyEngineOrTable
     from quickreturn.reports.drawing.style import Drawing
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Solution(Displayed):
+class Solution(Printable):
     """A trajectory with its error estimates.
 
     Attributes:
@@ -103,7 +105,7 @@ class Solution(Displayed):
     @cached_property
     def loads(self) -> "Loads":
         """Loads on the parts: stress along the arm, forces in joints and bearings; estimates are the columns' largest errors."""
-        return answered(self.request.loads_job(self.result), self.store)[0]
+        return value_here(self.request.loads_job(self.result), self.store)[0]
 
     @property
     def settings(self) -> dict[str, Any]:
@@ -201,7 +203,7 @@ class Solution(Displayed):
         """
         result = self.result
         name, remark = ESTIMATE[result.estimate_of]
-        asked = "" if result.accuracy is None else f"asked: {result.accuracy:g}"
+        wanted = "" if result.accuracy is None else f"asked: {result.accuracy:g}"
         rows = []
         for column in (each for each in ESTIMATED if each in self.trajectory.columns):
             relative, size = result.error_estimates[column], rms(self.trajectory[column])
@@ -209,7 +211,7 @@ class Solution(Displayed):
             words = column.removeprefix("tip_").removeprefix("slider_").replace("_", " ")
             if column == "tip_deflection" and relative is None and result.error_estimate is not None:
                 relative, size, words = result.error_estimate, self.case.scene.follower.length, "tip's place"
-            about = "; ".join(filter(None, (asked, remark))) if column == "tip_deflection" else ""
+            about = "; ".join(filter(None, (wanted, remark))) if column == "tip_deflection" else ""
             rows.append((words, _digits(relative), "" if relative is None else unit.text(relative * size, ".1e"), about))
         for words, columns in (("moments", BENDING), ("normal forces", AXIAL), ("bearings", BEARINGS)):
             if estimates := [estimate for column in columns if (estimate := result.error_estimates.get(column)) is not None]:
@@ -255,8 +257,53 @@ def simulate(
     request = request_of(scene, engine, as_texts(settings or {}), checked(accuracy), estimate, time_limit)
     kept = opened_store() if store else None
     with compilation_announced(quiet):
-        answer, stored = answered(request.job(chosen.name), kept)
+        answer, stored = value_here(request.job(chosen.name), kept)
     return Solution.of(scene, request, answer, kept, stored)
+
+
+def modes(
+    case: AnyCase,
+    engine: "AnyEngineOrTable" = "reference",
+    crank_angle: float | Sequence[float] = 0.0,
+    *,
+    count: int = 4,
+    settings: Mapping[str, Any] | None = None,
+    store: bool = True,
+    quiet: bool = False,
+) -> "pd.DataFrame":
+    """Natural frequencies in Hz, a row for each crank angle: follower straight, at rest, no gravity, undamped.
+
+    Args:
+        case: a name, a path or a `Case`.
+        engine: a name, the path of a file that declares one, or an engine.
+        crank_angle: angle at which the crank is held, degrees; one or several.
+        count: largest number of frequencies; there are fewer columns if the model has fewer.
+        settings: of the engine, by name; None: those for its default accuracy.
+        store: False: compute them anew, and store nothing.
+        quiet: whether messages on standard error are left out while code is compiled.
+
+    Raises:
+        CaseError, UnknownEngine, Refusal, SettingError: an invalid argument, or a scene that the engine cannot model.
+        EngineFailure: the engine failed, or returned something other than natural frequencies.
+        ValueError: an invalid crank angle or count.
+    """
+    import pandas as pd
+
+    given = np.atleast_1d(np.asarray(crank_angle))
+    if given.dtype.kind not in "iuf" or not np.all(np.isfinite(given)):
+        raise ValueError(f"crank_angle={crank_angle!r}: degrees are needed, a number or several")
+    if not (isinstance(count, int) and count > 0):
+        raise ValueError(f"count={count!r}: a whole number from 1 on is needed")
+    angles = given.tolist()
+    engine = engine_given(engine)
+    scene, chosen, texts = one_case(case), engine_from(engine), as_texts(settings or {})
+    job = frequencies_job(chosen.name, scene.mechanism, engine, [math.radians(angle) for angle in angles], count, texts)
+    with compilation_announced(quiet):
+        answer, _ = value_here(job, opened_store() if store else None)
+    table = pd.DataFrame(answer.values, index=pd.Index(angles, name="crank angle [deg]"))
+    table.columns = pd.Index([f"mode {number} [Hz]" for number in range(1, table.shape[1] + 1)])
+    table.attrs.update(case=scene.name, engine=chosen.name, version=answer.version, settings=answer.settings)
+    return table
 
 
 def request_of(
@@ -275,7 +322,7 @@ def request_of(
     )
 
 
-def answered(job: Job[T], store: Store | None) -> tuple[T, bool]:
+def value_here(job: Job[T], store: Store | None) -> tuple[T, bool]:
     """The value of a job in this process, and whether it was in the store. Raises as the job."""
     [outcome] = outcomes_of([job], "", ThisProcess(), store)
     if outcome.error is not None:

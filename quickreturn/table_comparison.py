@@ -10,23 +10,20 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from quickreturn.accuracy import checked
+from quickreturn.arguments import AnyCase, AnyEngineOrTable, given_settings, one_case, prepared
 from quickreturn.cases.case import Case
-from quickreturn.cases.displayed import Cell, Displayed, Rows
 from quickreturn.cases.errors import CaseError
 from quickreturn.cases.jobs.job import Job
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.measures.number import SAYS_NOTHING
+from quickreturn.cases.printable import Cell, Printable, Rows
 from quickreturn.cases.recorded import RecordedTable, read_table, table_of
 from quickreturn.cases.runs.campaign import hold_against_engines
 from quickreturn.cases.runs.column_differences import Causes, causes, column_differences, places
 from quickreturn.cases.runs.comparison import CaseResult, Difference, agreement
 from quickreturn.cases.runs.request import NOTHING, Run
 from quickreturn.cases.text.number_rows import PLAIN, Form
-from quickreturn.catalogue import AnyCase, one_case
-from quickreturn.computing import Computing
-from quickreturn.cross_validation import given_settings
-from quickreturn.engine_choice import AnyEngineOrTable, prepared
+from quickreturn.computing import checked, workshop
 from quickreturn.engines.plugins import found as found_at
 from quickreturn.engines.plugins import plugins
 from quickreturn.engines.registry import MAIN
@@ -49,7 +46,7 @@ AnyTable = str | os.PathLike[str] | Mapping[str, ArrayLike] | Solution | Traject
 _SAME_INSTANT: Final = 1e-2
 
 
-class TableComparison(Displayed):
+class TableComparison(Printable):
     """The comparison of a table with engines, in the turn of the crank or the steady state that it shows.
 
     Attributes:
@@ -94,8 +91,8 @@ class TableComparison(Displayed):
         others = " and ".join(dict.fromkeys(check.other for check in self.missed or self.rows))
         if not self.missed:
             count = agreement(self.rows)["says_nothing"]
-            told = f"; {count} of them say nothing, for more is claimed than {SAYS_NOTHING}" if count else ""
-            return f"{self.name} is within what is claimed of {others} in all {len(self.rows)} comparisons{told}"
+            silent = f"; {count} of them say nothing, for more is claimed than {SAYS_NOTHING}" if count else ""
+            return f"{self.name} is within what is claimed of {others} in all {len(self.rows)} comparisons{silent}"
         return f"{self.name} departs from {others} by more than is claimed in {len(self.missed)} of {len(self.rows)} comparisons"
 
     @cached_property
@@ -135,8 +132,8 @@ class TableComparison(Displayed):
         return [other for other in self.result.runs.values() if self.run.usable and other.usable]
 
     def _parts(self) -> list[Cell]:
-        told = self.run.recording.told if self.run.recording else ""
-        return [*([f"{self.name}: {told}"] if told else []), *parts_of_tables(self.result, [self])]
+        form = self.run.recording.told if self.run.recording else ""
+        return [*([f"{self.name}: {form}"] if form else []), *parts_of_tables(self.result, [self])]
 
 
 def compare(
@@ -172,29 +169,31 @@ def compare(
         UnknownEngine, Refusal, SettingError, StoreError, KeyboardInterrupt: as of `run`.
     """
     recorded = as_table(table, form=Form(separator, decimal, skip))
-    computing = Computing(jobs, quiet=quiet)
-    results = compared(one_case(case), [recorded], engines, given_settings(settings), accuracy, computing)
+    results = compared(case, [recorded], engines, accuracy=accuracy, settings=settings, jobs=jobs, quiet=quiet)
     return next(comparison for result in results for comparison in tables_in(result) if comparison.name == recorded.name)
 
 
 def compared(
-    case: Case,
+    case: AnyCase,
     tables: Iterable[RecordedTable],
     engines: "AnyEngineOrTable | Iterable[AnyEngineOrTable]",
-    settings: Mapping[str, Mapping[str, str]],
-    accuracy: float | None,
-    computing: Computing,
+    *,
+    accuracy: float | None = None,
+    settings: Mapping[str, Mapping[str, Any]] | None = None,
+    jobs: int | None = None,
+    quiet: bool = False,
 ) -> list[CaseResult]:
-    """The results of `compare` for several tables of a loaded case, with settings by engine as texts."""
-    names, texts, others = prepared([case], engines, settings)
-    recorded = [*others.get(case.name, ()), *tables]
+    """The results of `compare` for several tables; other arguments and errors as there."""
+    chosen = one_case(case)
+    names, texts, others = prepared([chosen], engines, given_settings(settings))
+    recorded = [*others.get(chosen.name, ()), *tables]
     called = [*names, *(table.name for table in recorded)]
     for name in called:
         if called.count(name) > 1:
             raise CaseError(name, None, None, "two tables or engines have this name", "give each file a name of its own")
-    with computing.opened([case], names) as workshop:
-        results = hold_against_engines(case, recorded, workshop, names, checked(accuracy), texts)
-        return _led_on(case, results, {table.name: table for table in recorded}, workshop)
+    with workshop(jobs, quiet, [chosen], names) as opened:
+        results = hold_against_engines(chosen, recorded, opened, names, checked(accuracy), texts)
+        return _led_on(chosen, results, {table.name: table for table in recorded}, opened)
 
 
 def _led_on(case: Case, results: list[CaseResult], tables: Mapping[str, RecordedTable], workshop: Workshop) -> list[CaseResult]:
@@ -235,7 +234,7 @@ def parts_of_tables(result: CaseResult, tables: Sequence[TableComparison]) -> li
     return [*parts, *(f"  {table.name}: {sentence}" for table in tables for sentence in table.explanations.values())]
 
 
-class Differences(Displayed, Mapping[str, float]):
+class Differences(Printable, Mapping[str, float]):
     """RMS(ours - theirs) over the `scale` of theirs by column, for most the column's RMS, over the rows that both have.
 
     Attributes:

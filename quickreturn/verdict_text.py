@@ -5,10 +5,10 @@ from collections.abc import Sequence
 from typing import Any, Final
 
 from quickreturn.cases.case import Case
-from quickreturn.cases.displayed import Cell, Rows
 from quickreturn.cases.loads import UNITS, loads_of_run, resonance
 from quickreturn.cases.measures.catalogue import IN_TABLES, MEASURES, numbers
 from quickreturn.cases.measures.number import SAYS_NOTHING
+from quickreturn.cases.printable import Cell, Rows
 from quickreturn.cases.runs.comparison import REFERENCE, CaseResult, Difference, Kind, agreement, not_judged
 from quickreturn.cases.runs.request import Run
 from quickreturn.cases.shown import Units
@@ -26,7 +26,7 @@ _OF_KIND: Final[dict[str, Kind]] = {"frequency": "channel frequency", "amplitude
 FORCES: Final = {"pivot_force": "force at P", "crank_force": "at O", "slider_force": "at the slider", "crank_torque": "torque of the drive"}
 
 #: Measures that the terminal shows.
-_MEASURED: Final = tuple(name for name, shown in IN_TABLES.items() if shown.in_terminal)
+_MEASURED: Final = tuple(name for name, place in IN_TABLES.items() if place.in_terminal)
 #: Column whose peak the terminal shows -> its heading, and its format in SI.
 _PEAKS: Final = {"tip_acceleration": ("peak accel.", ".2f"), "strain_2": ("peak strain 2", ".3e")}
 
@@ -40,8 +40,8 @@ def parts_of(result: CaseResult) -> list[Cell]:
     loads = [f"  {line}" for line in _load_lines(leading_loads(result))]
     state = "" if result.turn is None else f"; turn {result.turn} from the standard start"
     drive = drive_of(result)
-    told = (f"{sentence[0].lower()}{sentence[1:-1]}".replace(TIED, " ") for sentence in drive_sentences(drive))
-    loads += [f"  {drive.lead}: {sentence}" for sentence in told]
+    sentences = (f"{sentence[0].lower()}{sentence[1:-1]}".replace(TIED, " ") for sentence in drive_sentences(drive))
+    loads += [f"  {drive.lead}: {sentence}" for sentence in sentences]
     return [f"{result.case.name}: {result.case.title}{state}", Rows(rows, _heads(result.case.units)), *remarks, *loads, *verdict]
 
 
@@ -89,7 +89,7 @@ def _load_lines(case: CaseLoads) -> list[str]:
     if not case.lead:
         return []
     loads, units = case.loads[case.lead], case.case.units
-    lines = [f"{case.lead}: {told}" for told in (stress_text(loads, case.case), *notch_lines(loads, case.case))]
+    lines = [f"{case.lead}: {sentence}" for sentence in (stress_text(loads, case.case), *notch_lines(loads, case.case))]
     forces = [
         f"{FORCES[name]} {quantity(peak.value, units.of(UNITS[name]))}" for name, peak in loads.peaks.items() if name in FORCES and peak
     ]
@@ -114,12 +114,12 @@ def _row(case: Case, run: Run, accuracy_class: str | None) -> tuple[str, ...]:
     def number(value: float | None, form: str) -> str:
         return "-" if value is None or math.isnan(value) else format(value, form)
 
-    def shown(value: float | None, si: str, form: str) -> str:
+    def scaled(value: float | None, si: str, form: str) -> str:
         return number(None if value is None else value / case.units.of(si).size, case.units.form(si, form))
 
     measured = numbers(case.mechanism, run, _MEASURED)
     units = {name: COLUMNS[name].unit for name in _PEAKS}
-    peaks = [shown(run.peak(name) if run.usable and name in run.cycle else None, units[name], form) for name, (_, form) in _PEAKS.items()]
+    peaks = [scaled(run.peak(name) if run.usable and name in run.cycle else None, units[name], form) for name, (_, form) in _PEAKS.items()]
     return (
         run.engine,
         run.status,
@@ -128,7 +128,7 @@ def _row(case: Case, run: Run, accuracy_class: str | None) -> tuple[str, ...]:
         "-" if run.computation.solve_seconds is None else cost(run.computation.solve_seconds),
         number(run.computation.error_estimate, ".1e"),
         accuracy_class or "-",
-        *(shown(measured[name].value if measured else None, MEASURES[name].unit, IN_TABLES[name].in_terminal) for name in _MEASURED),
+        *(scaled(measured[name].value if measured else None, MEASURES[name].unit, IN_TABLES[name].in_terminal) for name in _MEASURED),
         *peaks,
     )
 

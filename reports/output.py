@@ -12,8 +12,8 @@ from typing import Any
 
 import click
 
-from quickreturn.cases.displayed import Cell, Rows
 from quickreturn.cases.errors import printable, shortened
+from quickreturn.cases.printable import Cell, Rows
 from quickreturn.cases.whole_file import words_of, write_atomically
 from quickreturn.reference_model.errors import ToldError
 

@@ -31,7 +31,7 @@ _RECORDS: Final = "quickreturn.cases.jobs.records"
 #: Packages and modules that start jobs, write files, or show results and progress: no result depends on them.
 ONLY_TALK: Final = (
     "quickreturn.cases.jobs",
-    "quickreturn.cases.displayed",
+    "quickreturn.cases.printable",
     "quickreturn.cases.shown",
     "quickreturn.cases.whole_file",
     "quickreturn.engines.progress",

@@ -9,7 +9,7 @@ from typing import Any, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.displayed import Cell, Displayed, Rows
+from quickreturn.cases.printable import Cell, Printable, Rows
 from quickreturn.engines import progress
 from quickreturn.engines.base import AnyEngine, Engine, EngineFailure, Refusal, first_line
 from quickreturn.engines.error_parts import compared
@@ -46,7 +46,7 @@ class Check:
 
 
 @dataclass(frozen=True, repr=False)
-class Conformance(Displayed):
+class Conformance(Printable):
     """The outcome of all checks of an engine."""
 
     engine: str

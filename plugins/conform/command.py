@@ -5,17 +5,16 @@ import click
 from quickreturn.cases.jobs.fork_server import COMPUTING, get_ready
 from quickreturn.cases.jobs.job import Outcome
 from quickreturn.commands import options
-from quickreturn.commands.console import ExitCode
-from quickreturn.computing import Computing
-from quickreturn.reports.output import print_json
+from quickreturn.commands.console import Call, ExitCode
+from quickreturn.computing import workshop
 
 
-@click.command(name="conform")
-@click.argument("engine", metavar="ENGINE")
-@click.option("--quick", is_flag=True, help="Try motion, frequencies and failures alone.")
-@options.json
-@options.computing
-def conform(engine: str, quick: bool, as_json: bool, computing: Computing) -> int:
+@options.command(
+    click.argument("engine", metavar="ENGINE"),
+    click.option("--quick", is_flag=True, help="Try motion, frequencies and failures alone."),
+    options.json,
+)
+def conform(call: Call, engine: str, quick: bool) -> int:
     """Test ENGINE: rows, columns, quantities of the scene, ladder, estimates, frequencies, failures.
 
     The outcome is stored with the results, and the report shows it beside the engine's version; that of a quick trial is not stored.
@@ -24,18 +23,14 @@ def conform(engine: str, quick: bool, as_json: bool, computing: Computing) -> in
     """
     from quickreturn.plugins.conform import contract
 
-    options.refuse_missing([engine])
+    call.engines = (engine,)
+    call.refuse_missing()
     get_ready(COMPUTING)
-    with computing.opened() as workshop:
-        found = contract.conform(engine, workshop.executor, quick=quick)
+    with workshop(None, call.quiet) as opened:
+        found = contract.conform(engine, opened.executor, quick=quick)
         if not quick:
-            workshop.kept(Outcome(contract.job(engine), found))
-    if as_json:
-        print_json(found)
-    else:
-        for check in found.checks:
-            click.echo(f"{check.status:10}  {check.check}" + (f": {check.cause}" if check.cause else ""))
-            if check.advice:
-                click.echo(f"{'':10}  {check.advice}")
-        click.echo(f"{engine}: {found.verdict}")
+            opened.kept(Outcome(contract.job(engine), found))
+    lines = [f"{check.status:10}  {check.check}" + (f": {check.cause}" if check.cause else "") for check in found.checks]
+    advised = [[line, f"{'':10}  {check.advice}"] if check.advice else [line] for line, check in zip(lines, found.checks, strict=True)]
+    call.show(found, "\n".join([*(line for each in advised for line in each), f"{engine}: {found.verdict}"]))
     return {True: ExitCode.GOOD, False: ExitCode.CLAIMS_BROKEN, None: ExitCode.ENGINE_TROUBLE}[found.conforms]

@@ -3,12 +3,12 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
-from quickreturn.accuracy import checked
+from quickreturn.arguments import AnyCase, one_case
 from quickreturn.cases.case import Case
-from quickreturn.cases.displayed import Cell, Displayed, Rows
 from quickreturn.cases.errors import CaseError
+from quickreturn.cases.printable import Cell, Printable, Rows
 from quickreturn.cases.units import in_si
-from quickreturn.catalogue import AnyCase, one_case
+from quickreturn.computing import checked
 from quickreturn.engines.base import Refusal
 from quickreturn.engines.registry import engine
 from quickreturn.plugins.methods.classes.groups import MEANINGS, Groups, groups_of
@@ -18,7 +18,7 @@ from quickreturn.plugins.methods.trials.trial import Trial
 
 
 @dataclass(frozen=True, repr=False)
-class Advice(Displayed):
+class Advice(Printable):
     """What the recorded map says of a machine.
 
     Attributes:

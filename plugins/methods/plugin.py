@@ -14,8 +14,8 @@ PLUGIN = Plugin(
         "moving-boundaries": f"{_HERE}.rivals.moving_boundaries:MovingBoundariesEngine",
     },
     commands={
-        "benchmark": (f"{_HERE}.benchmark_command:benchmark", _BENCHMARK),
-        "advise": (f"{_HERE}.advise_command:advise", _ADVISE),
+        "benchmark": (f"{_HERE}.commands:benchmark", _BENCHMARK),
+        "advise": (f"{_HERE}.commands:advise", _ADVISE),
     },
     page=f"{_HERE}.page:PAGE",
     records={

@@ -2,19 +2,17 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any, Final
 
 import click
 
 import quickreturn as qr
-from quickreturn.commands import console, options, tables
-from quickreturn.commands.console import ExitCode
+from quickreturn.commands import options, tables
+from quickreturn.commands.console import Call, ExitCode, check_file, tell, tell_slow, write
 from quickreturn.commands.options import PICTURES
-from quickreturn.computing import Computing
-from quickreturn.dataset import dataset_file
+from quickreturn.computing import workshop
+from quickreturn.dataset import dataset_file, table_file
 from quickreturn.engines.settings import SettingError
-from quickreturn.reports.output import check_writable, print_json, write_file
 
 DATASETS: Final = (".nc", ".csv", ".parquet")
 POINTS: Final = (".csv", ".parquet")
@@ -32,36 +30,36 @@ class _WithMeasures(click.Command):
             formatter.write_dl([(each.name, f"{each.meaning[0].upper()}{each.meaning[1:]} [{each.unit}].") for each in listed()])
 
 
-@click.command(name="sweep", cls=_WithMeasures)
-@options.case
-@options.several("--vary", "axes", metavar="AXIS", required=True, help="Key and values: KEY = a .. b : n, log a .. b : n, or a; b; c.")
-@options.several("--measure", "measures", metavar="NAME", help="What to measure; default: peak.tip_acceleration and multiplier.")
-@options.engines
-@options.accuracy
-@options.assignments
-@options.single("--path", metavar="WAY", default="up", help="Direction through each row: up (default), down or both.")
-@click.option(
-    "--claims/--no-claims", default=True, help="Estimate the error of every number (default), or not, which saves half of the time or more."
+def _claims(saved: str, of: str = "number") -> options.Option:
+    words = f"Estimate the error of every {of} (default), or not, which saves {saved}."
+    return click.option("--claims/--no-claims", default=True, help=words)
+
+
+def _picture(help: str) -> options.Option:
+    return options.single("--plot", metavar="FILE", help=f"File for a picture{help}.")
+
+
+def _merged(settings: Mapping[str, Mapping[str, str]]) -> dict[str, str]:
+    """The settings of the one engine of a study."""
+    return {name: value for given in settings.values() for name, value in given.items()}
+
+
+@options.command(
+    options.case,
+    options.several("--vary", "axes", metavar="AXIS", required=True, help="Key and values: KEY = a .. b : n, log a .. b : n, or a; b; c."),
+    options.several("--measure", "measures", metavar="NAME", help="What to measure; default: peak.tip_acceleration and multiplier."),
+    options.engines,
+    options.accuracy,
+    options.assignments,
+    options.single("--path", metavar="WAY", default="up", help="Direction through each row: up (default), down or both."),
+    _claims("half of the time or more"),
+    options.output("File for the result of every point: .nc, .csv or .parquet.  [required]", required=False),
+    _picture(": lines over one key, a heat map over two"),
+    options.of_workshop,
+    options.json,
+    cls=_WithMeasures,
 )
-@options.output("File for the result of every point: .nc, .csv or .parquet.  [required]", required=False)
-@options.single("--plot", metavar="FILE", help="File for a picture: lines over one key, a heat map over two.")
-@options.of_workshop
-@options.json
-@options.computing
-def sweep(
-    case: str,
-    axes: Sequence[str],
-    measures: Sequence[str],
-    engines: Sequence[str],
-    accuracy: float | None,
-    assignments: Sequence[str],
-    path: str,
-    claims: bool,
-    output: str | None,
-    plot: str | None,
-    as_json: bool,
-    computing: Computing,
-) -> int:
+def sweep(call: Call, axes: Sequence[str], measures: Sequence[str], path: str, claims: bool, plot: str | None) -> int:
     """Measure the settled motion of every machine of a grid.
 
     Any key of a case file can vary, with values and units as there, and so can engines ("engine = reference; mujoco"). Each row of the grid
@@ -72,71 +70,54 @@ def sweep(
     from quickreturn.plugins.studies.public.sweeping import USUAL, computed, dataset_of, summary
     from quickreturn.plugins.studies.sweep.grid import ENGINE, axis
 
-    overrides, settings = options.read_assignments(assignments)
-    loaded = options.load(case, overrides)
-    options.refuse_missing(engines)
-    varied = [axis(text) for text in (*axes, *([f"{ENGINE} = {'; '.join(engines)}"] if len(engines) > 1 else ()))]
-    if output is None:  # a mistake in the question is told before that
+    loaded, texts = call.case(), _merged(call.settings)
+    call.refuse_missing()
+    varied = [axis(text) for text in (*axes, *([f"{ENGINE} = {'; '.join(call.engines)}"] if len(call.engines) > 1 else ()))]
+    if call.output is None:  # after mistakes in the axes
         raise click.MissingParameter(param_type="option", param_hint="'--output'")
-    check_writable(Path(output), loaded.source, *DATASETS)
-    texts = {name: value for given in settings.values() for name, value in given.items()}
+    check_file(call.output, loaded.source, DATASETS)
     if texts and any(each.key == ENGINE for each in varied):
         raise SettingError(f"{next(iter(texts))}: settings need one engine, and here several are asked for; vary one engine at a time")
     if plot is not None:
         from quickreturn.plugins.studies.drawing.study import LINES, draw, drawable
         from quickreturn.reports.drawing.style import picture
 
-        check_writable(Path(plot), "" if loaded.source == "library" else case, *PICTURES)
+        check_file(plot, "" if loaded.source == "library" else loaded.source, PICTURES)
         if not drawable(varied):
             accepted = f"a picture needs a key with finite numbers in order, and at most one more, with such or up to {LINES} values"
             raise click.UsageError(f"--plot: {accepted}; leave --plot out, or vary less")
-    options.tell_slow([loaded])
-    with computing.opened([loaded], engines) as workshop:
-        found = computed(loaded, varied, measures or USUAL, engines[0], accuracy, texts, claims, path, workshop)
+    tell_slow([loaded])
+    with workshop(None, call.quiet, [loaded], call.engines) as opened:
+        found = computed(loaded, varied, measures or USUAL, call.engines[0], call.accuracy, texts, claims, path, opened)
     dataset = dataset_of(found)
-    write_file(Path(output), dataset_file(dataset, Path(output).suffix.lower()))
-    if plot is not None:
-        write_file(Path(plot), picture(draw(found), Path(plot).suffix.lower()))
-    if as_json:
-        print_json({"case": loaded.name, "points": found.statuses.size, "statuses": found.counts, "output": output})
-    else:
-        click.echo("\n".join(summary(dataset, loaded.units)))
+    write(call.output, lambda ending: dataset_file(dataset, ending))
+    write(plot, lambda ending: picture(draw(found), ending))
+    document = {"case": loaded.name, "points": found.statuses.size, "statuses": found.counts, "output": call.output}
+    call.show(document, "\n".join(summary(dataset, loaded.units)))
     if any(map(math.isfinite, found.values.flat)):
         return ExitCode.GOOD
-    console.tell(f"{loaded.name}: no point has a number: {found.sentences.flat[0]}")
+    tell(f"{loaded.name}: no point has a number: {found.sentences.flat[0]}")
     return ExitCode.ENGINE_TROUBLE
 
 
-@click.command(name="uncertainty")
-@click.argument("study", metavar="STUDY", shell_complete=options.complete_case)
-@options.units
-@options.several("--measure", "measures", metavar="NAME", help="What to measure, see `quickreturn sweep --help`.")
-@options.single(
-    "--samples", metavar="N", read=options.number(1, 1e6, 256, whole=True), help="Number of points, a power of two; default: 256."
+@options.command(
+    click.argument("study", metavar="STUDY", shell_complete=options.complete_case),
+    options.units,
+    options.several("--measure", "measures", metavar="NAME", help="What to measure, see `quickreturn sweep --help`."),
+    options.single(
+        "--samples", metavar="N", read=options.number(1, 1e6, 256, whole=True), help="Number of points, a power of two; default: 256."
+    ),
+    options.single("--engine", metavar="E", help="Engine, see `quickreturn engines`; default: reference."),
+    options.accuracy,
+    options.assignments,
+    _claims("half of the time"),
+    options.output(f"File for the points: {' or '.join(POINTS)}.", required=False),
+    _picture(" of bands and shares"),
+    options.of_workshop,
+    options.json,
 )
-@options.single("--engine", metavar="E", help="Engine, see `quickreturn engines`; default: reference.")
-@options.accuracy
-@options.assignments
-@click.option(
-    "--claims/--no-claims", default=True, help="Estimate the error of every number (default), or not, which saves half of the time."
-)
-@options.output(f"File for the points: {' or '.join(POINTS)}.", required=False)
-@options.single("--plot", metavar="FILE", help="File for a picture of bands and shares.")
-@options.of_workshop
-@options.json
-@options.computing
 def uncertainty(
-    study: str,
-    measures: Sequence[str],
-    samples: int | None,
-    engine: str | None,
-    accuracy: float | None,
-    assignments: Sequence[str],
-    claims: bool,
-    output: str | None,
-    plot: str | None,
-    as_json: bool,
-    computing: Computing,
+    call: Call, study: str, measures: Sequence[str], samples: int | None, engine: str | None, claims: bool, plot: str | None
 ) -> int:
     """Say how much measures scatter because quantities do: bands, and the share of each quantity.
 
@@ -148,67 +129,46 @@ def uncertainty(
 
     Exit code 3: more than 5 % of the points have no such measure, and so it has no band.
     """
-    from quickreturn.dataset import table_file
     from quickreturn.plugins.studies.public.uncertainty import is_study, points_of, study_of
 
-    overrides, settings = options.read_assignments(assignments)
-    asked = study_of(study, overrides) if is_study(study) else {"case": options.load(study, overrides)}
-    asked["case"] = options.in_units(asked["case"])
-    texts = {name: value for given in settings.values() for name, value in given.items()}
-    points = points_of(asked, study, measures, samples, engine, texts, claims, accuracy)
-    for file, endings in ((output, POINTS), (plot, PICTURES)):
-        if file is not None:
-            check_writable(Path(file), study, *endings)
-    with computing.opened([points.case], [points.asked.engine]) as workshop:
-        found = points.scatter(workshop)
-    if output is not None:
-        write_file(Path(output), table_file(found.frame, found.frame.attrs["units"], Path(output).suffix.lower()))
+    given = study_of(study, call.overrides) if is_study(study) else {"case": call.case(study)}
+    if call.units is not None:
+        given["case"] = given["case"].in_units(call.units)
+    points = points_of(given, study, measures, samples, engine, _merged(call.settings), claims, call.accuracy)
+    check_file(call.output, study, POINTS)
+    check_file(plot, study, PICTURES)
+    with workshop(None, call.quiet, [points.case], [points.asked.engine]) as opened:
+        found = points.scatter(opened)
+    write(call.output, lambda ending: table_file(found.frame, found.frame.attrs["units"], ending))
     if plot is not None:
         from quickreturn.plugins.studies.drawing.scatter import scatter_figure
         from quickreturn.reports.drawing.style import picture
 
-        write_file(Path(plot), picture(scatter_figure(found), Path(plot).suffix.lower()))
-    if as_json:
-        print_json({**found.document(), "output": output})
-    else:
-        click.echo(repr(found))
+        write(plot, lambda ending: picture(scatter_figure(found), ending))
+    call.show({**found.document(), "output": call.output}, repr(found))
     without: dict[str, list[str]] = {}
     for name in found.measures:
         without.setdefault(found.lacking(name), []).append(name)
     without.pop("", None)
     for reason, names in without.items():
-        console.tell(f"{points.case.name}: no band of {' and '.join(names)}: {'; '.join((reason, *found.failures))}")
+        tell(f"{points.case.name}: no band of {' and '.join(names)}: {'; '.join((reason, *found.failures))}")
     return ExitCode.ENGINE_TROUBLE if without else ExitCode.GOOD
 
 
-@click.command(name="resonance")
-@options.case
-@options.single("--speed", metavar="RANGE", help='Prescribed crank speed: "60 rpm .. 300 rpm"; with --vary a single speed.')
-@options.single("--vary", metavar="RANGE", help='Another key that varies instead: tip.mass="0 g .. 100 g".')
-@options.several("--measure", "measures", metavar="NAME", help="Measure, such as peak.strain_2; default: peak.tip_acceleration.")
-@options.accuracy
-@click.option(
-    "--claims/--no-claims", default=True, help="Estimate the error of every point (default), or not, which saves a third of the time."
+@options.command(
+    options.case,
+    options.single("--speed", metavar="RANGE", help='Prescribed crank speed: "60 rpm .. 300 rpm"; with --vary a single speed.'),
+    options.single("--vary", metavar="RANGE", help='Another key that varies instead: tip.mass="0 g .. 100 g".'),
+    options.several("--measure", "measures", metavar="NAME", help="Measure, such as peak.strain_2; default: peak.tip_acceleration."),
+    options.accuracy,
+    _claims("a third of the time", "point"),
+    options.case_assignments,
+    options.output(f"File for the table ({', '.join(TABLES)}) or for a picture ({', '.join(PICTURES)}).", required=False),
+    _picture(", beside the table"),
+    options.limited,
+    options.json,
 )
-@options.case_assignments
-@options.output(f"File for the table ({', '.join(TABLES)}) or for a picture ({', '.join(PICTURES)}).", required=False)
-@options.single("--plot", metavar="FILE", help="File for a picture, beside the table.")
-@options.limited
-@options.json
-@options.computing
-def resonance(
-    case: str,
-    speed: str | None,
-    vary: str | None,
-    measures: Sequence[str],
-    accuracy: float | None,
-    claims: bool,
-    assignments: Sequence[str],
-    output: str | None,
-    plot: str | None,
-    as_json: bool,
-    computing: Computing,
-) -> int:
+def resonance(call: Call, speed: str | None, vary: str | None, measures: Sequence[str], claims: bool, plot: str | None) -> int:
     """Follow the periodic motion of CASE over the crank's speed or another key.
 
     The curve passes through folds, where two motions meet. Its table has stable and unstable motions, the largest Floquet multiplier,
@@ -219,13 +179,13 @@ def resonance(
 
     Exit code 3: no periodic motion was found in the range, or the curve could not be followed over all of it.
     """
+    from quickreturn.descriptions import value_of
     from quickreturn.plugins.studies.public.resonance_curves import Resonance, speed_of
     from quickreturn.plugins.studies.resonance_curve.range import SPEED, range_of
     from quickreturn.plugins.studies.resonance_curve.search import USUAL, job
-    from quickreturn.questions import value_of
     from quickreturn.reports.drawing.style import picture
 
-    loaded = options.load(case, options.read_overrides(assignments))
+    loaded = call.case()
     if vary is not None:
         key, _, text = vary.partition("=")
         varied, held = range_of(key.strip(), text.strip(), "--vary"), speed_of(speed, "--speed")
@@ -233,44 +193,30 @@ def resonance(
         varied, held = range_of(SPEED, speed, "--speed"), None
     else:
         raise click.UsageError("Missing option '--speed'; give a range such as \"60 rpm .. 300 rpm\"")
-    asked = job(loaded, varied, held, measures or (USUAL,), accuracy, claims)
-    for file, endings in ((output, (*TABLES, *PICTURES)), (plot, PICTURES)):
-        if file is not None:
-            check_writable(Path(file), loaded.source, *endings)
-    with computing.opened([loaded], ["reference"]) as workshop:
-        found = Resonance(loaded, value_of(workshop.outcomes([asked], "resonance curve")[0]))
-    for file in (each for each in (output, plot) if each is not None):
-        ending = Path(file).suffix.lower()
-        write_file(Path(file), picture(found.plot(), ending) if ending in PICTURES else found.written(ending))
-    if as_json:
-        print_json({"case": loaded.name, "output": output, **found.document()})
-    else:
-        click.echo(repr(found))
+    curve = job(loaded, varied, held, measures or (USUAL,), call.accuracy, claims)
+    check_file(call.output, loaded.source, (*TABLES, *PICTURES))
+    check_file(plot, loaded.source, PICTURES)
+    with workshop(None, call.quiet, [loaded], ["reference"]) as opened:
+        found = Resonance(loaded, value_of(opened.outcomes([curve], "resonance curve")[0]))
+    for file in (call.output, plot):
+        write(file, lambda ending: picture(found.plot(), ending) if ending in PICTURES else found.written(ending))
+    call.show({"case": loaded.name, "output": call.output, **found.document()}, repr(found))
     return ExitCode.ENGINE_TROUBLE if found.curve.lost else ExitCode.GOOD
 
 
-@click.command(name="calibrate")
-@options.case
-@click.argument("file", metavar="FILE")
-@options.several(
-    "--free", metavar="KEY", required=True, help='Parameter to find, alone or with a range: "tip.center_of_mass = 0 in .. 0.5 in".'
+@options.command(
+    options.case,
+    click.argument("file", metavar="FILE"),
+    options.several(
+        "--free", metavar="KEY", required=True, help='Parameter to find, alone or with a range: "tip.center_of_mass = 0 in .. 0.5 in".'
+    ),
+    tables.options,
+    options.case_assignments,
+    options.output("File for the case with the values found: .toml.", "CASE_FILE", required=False),
+    options.limited,
+    options.json,
 )
-@tables.options
-@options.case_assignments
-@options.single("--output", metavar="CASE_FILE", help="File for the case with the values found: .toml.")
-@options.limited
-@options.json
-@options.computing
-def calibrate(
-    case: str,
-    file: str,
-    free: Sequence[str],
-    reading: Mapping[str, Any],
-    assignments: Sequence[str],
-    output: str | None,
-    as_json: bool,
-    computing: Computing,
-) -> int:
+def calibrate(call: Call, file: str, free: Sequence[str], **reading: Any) -> None:
     """Find parameters of CASE from a recorded table by least squares.
 
     FILE is a table as `quickreturn compare` reads it. A table that begins in the standard start is fitted row by row in time, any other
@@ -279,15 +225,9 @@ def calibrate(
     The 95 % intervals come from the residuals and allow for their correlation. The simulation's own error is given beside them. The output
     names the combinations of parameters that this table cannot determine.
     """
-    loaded = options.load(case, options.read_overrides(assignments))
-    if output is not None:
-        check_writable(Path(output), loaded.source, ".toml")
+    loaded = call.case()
+    check_file(call.output, loaded.source, (".toml",))
     (table,) = tables.read([file], reading)
-    found = qr.calibrate(loaded, table, free, limits=computing.limits, quiet=computing.quiet)
-    if output is not None:
-        write_file(Path(output), found.fitted.to_toml().encode())
-    if as_json:
-        print_json(found.as_document())
-    else:
-        click.echo(repr(found))
-    return ExitCode.GOOD
+    found = qr.calibrate(loaded, table, free, limits=call.limits, quiet=call.quiet)
+    write(call.output, lambda ending: found.fitted.to_toml().encode())
+    call.show(found.as_document(), repr(found))

@@ -20,8 +20,8 @@ from quickreturn.cases.plausibility import doubts
 from quickreturn.cases.shown import Unit
 from quickreturn.cases.text.document import NAME
 from quickreturn.cases.text.written import as_toml
+from quickreturn.descriptions import by_each, model
 from quickreturn.engines.registry import own_engines
-from quickreturn.questions import asked_of_all, model
 from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.natural_modes import clamped_modes
 from quickreturn.reports.output import OutputError, check_writable, print_table
@@ -60,7 +60,7 @@ def _derived(case: Case) -> dict[str, dict[str, Any]]:
 
 def models(scene: Scene) -> Iterator[dict[str, Any]]:
     """What each engine builds, as it comes, or in "refused" the reason why it does not."""
-    for outcome in asked_of_all(model, (scene,), "models", own_engines().keys() - {"exudyn"}):
+    for outcome in by_each(model, (scene,), "models", own_engines().keys() - {"exudyn"}):
         built = vars(outcome.value) if outcome.value else {}
         yield {"engine": outcome.job.name, "refused": str(outcome.error or "") or outcome.failure or None, **built}
 

@@ -1,7 +1,6 @@
-"""`quickreturn cases`, `new` and `show`: the cases of the library, a case file to begin with, and a scene with the models of it."""
+"""`quickreturn engines`, `cases`, `new` and `show`: what there is, a case file to begin with, and a scene with the models of it."""
 
 import shlex
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -10,8 +9,9 @@ import click
 
 import quickreturn as qr
 from quickreturn.cases.jobs.fork_server import DESCRIBING, get_ready
+from quickreturn.cases.jobs.job import Job
 from quickreturn.commands import options
-from quickreturn.reports.output import print_json, write_file
+from quickreturn.commands.console import Call, tell_doubts, write
 
 if TYPE_CHECKING:
     from quickreturn.cases.case import Case
@@ -20,83 +20,96 @@ if TYPE_CHECKING:
 EXAMPLE: Final = "example"
 
 
-@click.command(name="cases")
-@options.single("--tag", metavar="TAG", help="Only cases with this tag.")
-@options.json
-def cases(tag: str | None, as_json: bool) -> None:
+@options.command(click.argument("engine", required=False), options.json)
+def engines(call: Call, engine: str | None) -> None:
+    """List the engines: name, version, method, available or why not; for one ENGINE also its settings and default accuracy."""
+    if engine is None:
+        listed = qr.list_engines()
+        call.show(listed, repr(listed))
+        return
+    from quickreturn.cases.printable import Rows
+    from quickreturn.descriptions import outcomes, settings, value_of
+
+    found = value_of(*outcomes([Job(engine, settings, (engine,))], engine))
+    rows = Rows([(row.name, row.accepted, row.meaning) for row in found.settings], ("SETTING", "ACCEPTED", "MEANING"))
+    call.show(
+        found,
+        f"{engine}: {found.method}; {found.version or f'not available: {found.reason}'}\n"
+        f"estimates: {found.estimate}\n"
+        f"finds settings for the accuracy asked, {found.default_accuracy:g} unless --accuracy says otherwise; --set fixes them:\n"
+        f"{rows.text()}",
+    )
+
+
+@options.command(options.shared("--tag", metavar="TAG", help="Only cases with this tag."), options.json)
+def cases(call: Call) -> None:
     """List the cases of the library: name, tags, title."""
-    found = qr.list_cases(tag)
-    if as_json:
-        print_json([{"name": case.name, "tags": case.tags, "title": case.title} for case in found])
-    else:
-        click.echo(repr(found))
+    found = qr.list_cases(call.tag)
+    call.show([{"name": case.name, "tags": case.tags, "title": case.title} for case in found], repr(found))
 
 
-@click.command(name="show")
-@options.cases
-@options.tag
-@options.case_assignments
-@click.option("--for-other-tools", "for_others", is_flag=True, help="Print instead what another tool needs to build the scene.")
-@options.json
-def show(cases: Sequence[str], tag: str | None, assignments: Sequence[str], for_others: bool, as_json: bool) -> None:
+@options.command(
+    options.cases,
+    options.tag,
+    options.case_assignments,
+    click.option("--for-other-tools", "for_others", is_flag=True, help="Print instead what another tool needs to build the scene."),
+    options.json,
+)
+def show(call: Call, for_others: bool) -> None:
     """Show the scene of CASE and the parts, joints and degrees of freedom that each engine builds.
 
     The JSON document is in SI; with several cases it is a list.
     """
-    overrides = options.read_overrides(assignments)
-    if for_others and as_json:
+    if for_others and call.as_json:
         raise click.UsageError("--for-other-tools and --json are both given; what other tools need is a text, give one of them")
     if not for_others:
         get_ready((*DESCRIBING, "quickreturn.engines.exudyn.models"))
-    loaded = options.load_all(cases, tag, overrides)
+    loaded = call.loaded()
     if for_others:
         from quickreturn.reports.other_tools import for_other_tools
 
-        click.echo("\n\n".join(for_other_tools(case, shlex.join(options.given_as(case, overrides))) for case in loaded))
+        click.echo("\n\n".join(for_other_tools(case, shlex.join(call.arguments_for(case))) for case in loaded))
         return
     from quickreturn.commands.case_document import document_of, models, print_document
 
     documents = [document_of(case) for case in loaded]
-    if as_json:
-        documents = [document | {"engines": [*models(case.scene)]} for case, document in zip(loaded, documents, strict=True)]
-        print_json(documents[0] if len(documents) == 1 else documents)
+    if call.as_json:
+        call.show_each([each | {"engines": [*models(case.scene)]} for case, each in zip(loaded, documents, strict=True)], "")
         return
     for number, (case, document) in enumerate(zip(loaded, documents, strict=True)):
         click.echo("\n" * (number > 0), nl=False)
         print_document(document, case)
 
 
-@click.command(name="new")
-@click.argument("file", metavar="FILE")
-@options.single(
-    "--from",
-    "origin",
-    metavar="CASE",
-    shell_complete=options.complete_case,
-    help="Case of the library, or case file, to copy; default: a small machine with every key.",
+@options.command(
+    click.argument("file", metavar="FILE"),
+    options.single(
+        "--from",
+        "origin",
+        metavar="CASE",
+        shell_complete=options.complete_case,
+        help="Case of the library, or case file, to copy; default: a small machine with every key.",
+    ),
+    options.case_assignments,
 )
-@options.case_assignments
-def new(file: str, origin: str | None, assignments: Sequence[str]) -> None:
+def new(call: Call, file: str, origin: str | None) -> None:
     """Write a case file of your own to FILE, with the meaning of every key beside it.
 
     The name of the case is that of the file without .toml. Keys that the machine does not use stand there as comments. A file that exists
     is never overwritten.
     """
-    overrides = options.read_overrides(assignments)
     from quickreturn.commands.case_document import header_for, text_of
 
     header = header_for(file)
-    original = options.load(origin or EXAMPLE, overrides)
-    write_file(Path(file), text_of(original, header, copied=bool(origin)).encode())
-    options.tell_doubts([replace(original, name=header["name"])])
-    _print_what_next(file, original)
+    original = call.case(origin or EXAMPLE)
+    write(file, lambda ending: text_of(original, header, copied=bool(origin)).encode())
+    tell_doubts([replace(original, name=header["name"])])
+    click.echo("\n".join([f"{file} is written. Change its values, then try", *_next_commands(file, original)]))
 
 
-def _print_what_next(file: str, case: "Case") -> None:
-    click.echo(f"{file} is written. Change its values, then try")
+def _next_commands(file: str, case: "Case") -> list[str]:
     tried = {"show": "", "plot": ".png", "simulate": ".csv", "run": ""}
     if case.scene.crank is None:
         tried = {"show": "", "simulate": ".csv"}
-    for command, ending in tried.items():
-        output = ["--output", str(Path(file).with_suffix(ending))] if ending else []
-        click.echo(f"  {shlex.join(['quickreturn', command, file, *output])}")
+    outputs = {command: ["--output", str(Path(file).with_suffix(ending))] if ending else [] for command, ending in tried.items()}
+    return [f"  {shlex.join(['quickreturn', command, file, *output])}" for command, output in outputs.items()]

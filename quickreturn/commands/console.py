@@ -1,15 +1,21 @@
-"""What commands print on standard error, and the codes with which they end."""
+"""The present call of a command: what its options say, its cases, what it prints, and the code with which it ends."""
 
 import contextlib
 import re
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from enum import IntEnum
-from typing import TYPE_CHECKING, Final
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 
 if TYPE_CHECKING:
+    from quickreturn.cases.case import Case
+    from quickreturn.cases.jobs.job import Limits
     from quickreturn.cases.jobs.store import Store
+    from quickreturn.cases.jobs.workshop import Workshop
+    from quickreturn.computing import Computing
 
 LONGEST_MESSAGE: Final = 600  # characters; a longer message repeats a huge argument
 
@@ -26,22 +32,135 @@ class ExitCode(IntEnum):
 
 @dataclass
 class Call:
-    """The present call: whether progress is not reported, units for people, the store once it is open, whether compiling was told."""
+    """The present call. The fields that the options of `commands.options` set have their values, if the command has them."""
 
     quiet: bool = False
     units: str | None = None
-    store: "Store | None" = None
-    told_of_compiling: bool = False
+    cases: Sequence[str] = ()  # names, paths and patterns
+    tag: str | None = None
+    engines: Sequence[str] = ()
+    accuracy: float | None = None
+    duration: float | None = None  # s
+    output_step: float | None = None  # s
+    overrides: Mapping[str, str] = field(default_factory=dict)  # dotted key of a case file -> text
+    settings: Mapping[str, Mapping[str, str]] = field(default_factory=dict)  # engine -> name -> text
+    output: str | None = None
+    as_json: bool = False
+    jobs: int | None = None
+    cluster: str | None = None
+    time_limit: float | None = None  # s
+    memory_limit: float | None = None  # GiB
+    no_store: bool = False
+    store: "Store | None" = None  # once it is open
+    announced_compiling: bool = False
 
     @property
     def lost(self) -> bool:
         """Whether a result could not be stored."""
         return self.store is not None and self.store.lost > 0
 
+    def begin(self, what: str) -> None:
+        """Announce a slow step on standard error, unless quiet."""
+        if not self.quiet:
+            with contextlib.suppress(OSError):  # nobody listens
+                click.echo(f"  {what}", err=True)
+
+    def keep_in(self, store: "Store | None") -> None:
+        """Note the store of this call; a new folder is announced, and how to choose another."""
+        self.store = store
+        if store is not None and store.is_new:
+            self.begin(f"results are kept in the new folder {store.folder.resolve()}; QUICKRETURN_STORE names another one")
+
     @property
-    def notices(self) -> list[str]:
-        """Sentences on damaged stored results, and on results that could not be stored."""
-        return [] if self.store is None else self.store.notices
+    def limits(self) -> "Limits":
+        """Limits of time and memory of a job."""
+        from quickreturn.cases.jobs.job import Limits, default_limits
+
+        usual = default_limits()
+        return Limits(self.time_limit or usual.seconds, round(self.memory_limit * 2**30) if self.memory_limit else usual.memory)
+
+    @property
+    def computing(self) -> "Computing":
+        """How its jobs run. Standard error names the cases, the engines and the folder of results."""
+        from quickreturn.computing import Computing
+
+        return Computing(self.jobs, self.cluster or None, self.limits, self.quiet, tell, self._begun)
+
+    def _begun(self, workshop: "Workshop", cases: "Sequence[Case]", engines: Sequence[str]) -> None:
+        """Announce what will run. The slow imports of the processes begin here, too."""
+        from quickreturn.cases.jobs import fork_server
+
+        self.keep_in(workshop.store)
+        self._announce_compiling()
+        if cases and self.cluster is None:
+            fork_server.get_ready(fork_server.PRELOAD)
+        tell_doubts(cases)
+        if cases:
+            what = cases[0].name if len(cases) == 1 else f"{len(cases)} cases"
+            self.begin(f"{what} on {', '.join(engines)}; results are kept in {workshop.store.folder}")
+
+    def loaded(self, otherwise: Sequence[str] = ()) -> "list[Case]":
+        """The cases of the names and patterns, and those with the tag; if none are given, those of the names `otherwise`."""
+        from quickreturn.arguments import list_cases, loaded
+
+        tagged = [] if self.tag is None else [line.name for line in list_cases(self.tag)]
+        wanted = [*self.cases, *tagged] or otherwise
+        if not wanted:
+            raise click.UsageError("Missing argument 'CASE'", click.get_current_context())
+        return loaded(wanted, self.case)
+
+    def case(self, name: str | None = None) -> "Case":
+        """A case, or the only one, with the values, times and units of the options."""
+        from quickreturn.cases.case_file import load_case, with_times
+        from quickreturn.cases.errors import CaseError, as_written
+
+        for key, seconds in (("duration", self.duration), ("output_step", self.output_step)):
+            if seconds is not None and f"simulation.{key}" in self.overrides:
+                given = f"{_option(key)} ({seconds:g} s) and --set simulation.{key}={as_written(self.overrides[f'simulation.{key}'])}"
+                raise click.UsageError(f"{given} are both given; give one of them")
+        case = load_case(self.cases[0] if name is None else name, self.overrides)
+        if self.units is not None:
+            case = case.in_units(self.units)
+        self._announce_compiling()  # before the slow imports of a command
+        try:
+            return with_times(case, self.duration, self.output_step)
+        except CaseError as wrong:
+            raise CaseError("command line", _option(wrong.key or ""), wrong.value, wrong.problem, wrong.accepted) from None
+
+    def _announce_compiling(self) -> None:
+        """Say, once in a call, that an engine's first run compiles, if no compiled code is kept yet."""
+        from quickreturn.reference_model.native import cache_folder
+
+        if not self.announced_compiling and (sentence := cache_folder.notice_if_none()):
+            self.announced_compiling = True
+            self.begin(sentence)
+
+    def arguments_for(self, case: "Case") -> list[str]:
+        """Arguments that name a case with the changes of this call, for another command."""
+        changes = [part for key, value in self.overrides.items() for part in ("--set", f"{key}={value}")]
+        return [case.name if case.source == "library" else case.source, *changes]
+
+    def refuse_missing(self) -> None:
+        """Refusal: an engine cannot be used here. Recorded tables may stand among the engines."""
+        from quickreturn.cases.recorded import is_table
+        from quickreturn.engines.registry import usable_engine
+
+        for name in self.engines:
+            if not is_table(name):
+                usable_engine(name)
+
+    def show(self, document: Any, text: str) -> None:
+        """Print the JSON document, if it was asked for, or else the text."""
+        from quickreturn.reports.output import print_json
+
+        if self.as_json:
+            print_json(document)
+        else:
+            click.echo(text)
+
+    def show_each(self, documents: Sequence[Any], text: str) -> None:
+        """As `show`; the document of several is a list."""
+        self.show(documents[0] if len(documents) == 1 else documents, text)
 
 
 def call() -> Call:
@@ -49,18 +168,42 @@ def call() -> Call:
     return click.get_current_context().ensure_object(Call)
 
 
-def begin(what: str) -> None:
-    """Announce a slow step on standard error, unless quiet."""
-    if not call().quiet:
-        with contextlib.suppress(OSError):  # nobody listens
-            click.echo(f"  {what}", err=True)
+def check_file(file: str | None, keep: str, endings: Sequence[str]) -> None:
+    """Check a file that is to be written, if there is one; `keep` must not be replaced. OutputError: as `check_writable`."""
+    from quickreturn.reports.output import check_writable
+
+    if file is not None:
+        check_writable(Path(file), keep, *endings)
 
 
-def keep_in(store: "Store | None") -> None:
-    """Note the store of the present call; a new folder is announced, and how to choose another."""
-    call().store = store
-    if store is not None and store.is_new:
-        begin(f"results are kept in the new folder {store.folder.resolve()}; QUICKRETURN_STORE names another one")
+def write(file: str | None, content: Callable[[str], bytes]) -> None:
+    """Write a file, if there is one, with the content for its ending."""
+    from quickreturn.reports.output import write_file
+
+    if file is not None:
+        write_file(Path(file), content(Path(file).suffix.lower()))
+
+
+def tell_doubts(cases: "Sequence[Case]") -> None:
+    """Name doubtful values of the user's own cases on standard error, each doubt once; values of the library are intended."""
+    from quickreturn.cases.plausibility import doubts
+
+    concerned: dict[str, list[str]] = {}
+    for case in cases:
+        for doubt in doubts(case.scene):
+            if doubt in case.notes:
+                concerned.setdefault(doubt, []).append(case.name)
+    for doubt, (first, *others) in concerned.items():
+        tell(f"{first}{f' and {len(others)} more' if others else ''}: note: {doubt}")
+
+
+def tell_slow(cases: "Sequence[Case]") -> None:
+    """Name on standard error each case whose crank turns so slowly that its steady state takes minutes."""
+    from quickreturn.cases.runs.slow_turns import warning
+
+    for case in cases:
+        if slow := warning(case):
+            tell(f"{case.name}: {slow}")
 
 
 def tell(sentence: str) -> None:
@@ -75,3 +218,7 @@ def _one_line(sentence: str) -> str:
     text = "".join(sign if sign.isprintable() else sign.encode("unicode_escape").decode() for sign in joined)
     half = LONGEST_MESSAGE // 2
     return text if len(text) <= LONGEST_MESSAGE else f"{text[:half]} ... {text[-half:]}"
+
+
+def _option(key: str) -> str:
+    return f"--{key.replace('_', '-')}"

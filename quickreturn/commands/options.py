@@ -1,32 +1,55 @@
-"""Arguments and options that several subcommands share, and how their texts are read."""
+"""The options that commands share, how their texts are read, and the command that has them."""
 
 import functools
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, Final
+from collections.abc import Callable, Sequence
+from typing import Any, Final
 
 import click
 from click.shell_completion import CompletionItem
 
-from quickreturn.accuracy import HIGHEST, LOWEST
-from quickreturn.cases.errors import CaseError, as_written, shortened
-from quickreturn.cases.jobs.job import Limits, default_limits
+from quickreturn.cases.errors import as_written, shortened
+from quickreturn.cases.jobs import fork_server
 from quickreturn.cases.units import TIME, QuantityError, parse_quantity, plain_number
 from quickreturn.commands import console
-from quickreturn.computing import Computing
+from quickreturn.commands.console import Call
+from quickreturn.computing import CHOSEN, HIGHEST, LOWEST
 from quickreturn.engines.settings import ANY_ENGINE
-from quickreturn.reference_model.native import cache_folder
-
-if TYPE_CHECKING:
-    from quickreturn.cases.case import Case
-    from quickreturn.cases.jobs.workshop import Workshop
 
 #: Converts the text of an option, given its name, to a value; raises UsageError if it cannot.
 Reader = Callable[[str, str], Any]
+#: A decorator of click, which adds an option.
+Option = Callable[[Any], Any]
 
 _LARGEST_ANGLE: Final = 1_000_000  # degrees; a double keeps 1e-10 of a degree there
 _MOST_ANGLES: Final = 10_000
+#: Pictures that can be written.
+PICTURES: Final = (".png", ".svg", ".pdf", ".webp")
+
+
+def command(*options: Option, **attributes: Any) -> Callable[[Callable[..., Any]], click.Command]:
+    """A command of the function's name with these options, in the order of its help.
+
+    The function gets the `Call` with the values of the shared options, and those of its own ones as keywords.
+    """
+
+    def decorate(function: Callable[..., Any]) -> click.Command:
+        @functools.wraps(function)
+        def called(**own: Any) -> Any:
+            call = console.call()
+            before = CHOSEN.set(call.computing)
+            try:
+                return function(call, **own)
+            finally:
+                CHOSEN.reset(before)
+                fork_server.not_needed()
+
+        for option in reversed(options):
+            option(called)
+        as_command: Callable[[Callable[..., Any]], click.Command] = click.command(name=function.__name__, **attributes)
+        return as_command(called)
+
+    return decorate
 
 
 def number(low: float, high: float, example: float, *, of: str = "", whole: bool = False) -> Reader:
@@ -67,29 +90,28 @@ def angles(option: str, text: str) -> list[float]:
     raise click.UsageError(f"{option} {as_written(text)}: {accepted}")
 
 
-#: The option by which results are not stored.
-NO_STORE: Final = "--no-store"
+def _kept(read: Callable[[Any], Any] = lambda given: given, name: str = "") -> dict[str, Any]:
+    """Arguments of click for an option that sets a field of the `Call`."""
 
-#: Pictures that can be written.
-PICTURES: Final = (".png", ".svg", ".pdf", ".webp")
+    def keep(context: click.Context, option: click.Parameter, given: Any) -> None:
+        setattr(context.ensure_object(Call), name or str(option.name), read(given))
 
-
-def _one(option: str, given: Sequence[str]) -> str | None:
-    """The value of an option, if it is given. UsageError: several are given."""
-    if len(given) > 1:
-        values = " and ".join(map(as_written, given))
-        raise click.UsageError(f"{option}: {values} are {'both' if len(given) == 2 else 'all'} given; give one of them")
-    return given[0] if given else None
+    return {"expose_value": False, "callback": keep}
 
 
-def single(*names: str, read: Reader = lambda _, text: text, default: str | None = None, **more: Any) -> Callable[[Any], Any]:
+def single(
+    *names: str, read: Reader = lambda _, text: text, default: str | None = None, shared: bool = False, **more: Any
+) -> Callable[[Any], Any]:
     """An option with one value. UsageError: several are given, and the message names them all; click would take the last."""
 
-    def one(context: click.Context, option: click.Parameter, given: Sequence[str]) -> Any:
-        text = _one(names[0], given)
-        return None if text is None else read(names[0], text)
+    def one(given: Sequence[str]) -> Any:
+        if len(given) > 1:
+            values = " and ".join(map(as_written, given))
+            raise click.UsageError(f"{names[0]}: {values} are {'both' if len(given) == 2 else 'all'} given; give one of them")
+        return read(names[0], given[0]) if given else None
 
-    return click.option(*names, multiple=True, callback=one, default=default and [default], **more)
+    keep = _kept(one) if shared else {"callback": lambda context, option, given: one(given)}
+    return click.option(*names, multiple=True, default=default and [default], **keep, **more)
 
 
 def several(*names: str, help: str, **more: Any) -> Callable[[Any], Any]:
@@ -97,9 +119,12 @@ def several(*names: str, help: str, **more: Any) -> Callable[[Any], Any]:
     return click.option(*names, multiple=True, help=f"{help} May be given again.", **more)
 
 
-def output(told: str, metavar: str = "FILE", *, required: bool = True) -> Callable[[Any], Any]:
-    """The option --output, with the help `told`."""
-    return single("--output", metavar=metavar, required=required, help=told)
+shared: Final = functools.partial(single, shared=True)
+
+
+def output(help: str, metavar: str = "FILE", *, required: bool = True, **more: Any) -> Callable[[Any], Any]:
+    """The option --output."""
+    return shared("--output", metavar=metavar, required=required, help=help, **more)
 
 
 def complete_case(context: click.Context, argument: click.Parameter, begun: str) -> list[CompletionItem]:
@@ -115,85 +140,35 @@ def _complete_engine(context: click.Context, option: click.Parameter, begun: str
     return [*(CompletionItem(name) for name in engine_names() if name.startswith(begun)), CompletionItem(begun, type="file")]
 
 
-def _keep_units(context: click.Context, option: click.Parameter, given: Sequence[str]) -> None:
-    context.ensure_object(console.Call).units = _one("--units", given)
+def _assignments(accept: Callable[[dict[str, str], dict[str, dict[str, str]]], None], help: str) -> Option:
+    """The option --set; `accept` raises UsageError for what the command does not take."""
+
+    def keep(context: click.Context, option: click.Parameter, texts: Sequence[str]) -> None:
+        present = context.ensure_object(Call)
+        overrides, settings = _assigned(texts)
+        accept(overrides, settings)
+        present.overrides, present.settings = overrides, settings
+
+    return click.option("--set", metavar="KEY=VALUE", multiple=True, expose_value=False, callback=keep, help=f"{help}; may be given again.")
 
 
-#: The option of every command that takes a case; `load` applies it.
-units: Final[Callable[[Any], Any]] = click.option(
-    "--units",
-    metavar="SET",
-    multiple=True,
-    expose_value=False,
-    callback=_keep_units,
-    help="Units of texts and pictures: si, mm or inch; default: those of the case file. Files and JSON documents are in SI.",
-)
-
-
-def cases(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the argument for any number of cases."""
-    return click.argument("cases", metavar="[CASE]...", nargs=-1, shell_complete=complete_case)(units(command))
-
-
-def case(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the argument for one case."""
-    return click.argument("case", metavar="CASE", shell_complete=complete_case)(units(command))
-
-
-tag: Final = single("--tag", metavar="TAG", help="Add all cases of the library with this tag.")
-engines_for: Final = functools.partial(
-    click.option,
-    "--engine",
-    "engines",
-    metavar="E",
-    multiple=True,
-    callback=lambda _, __, names: list(dict.fromkeys(names)),
-    shell_complete=_complete_engine,
-)
-engines: Final = engines_for(default=["reference"], show_default=True, help="Engine, see `quickreturn engines`; may be given again.")
-main_engines: Final = engines_for(help="Engine to run, or recorded table (.csv); may be given again. Default: the four main engines.")
-json: Final = click.option("--json", "as_json", is_flag=True, help="Print one JSON document.")
-accuracy_of: Final = functools.partial(single, "--accuracy", metavar="REL", read=number(LOWEST, HIGHEST, 1e-3))
-accuracy: Final = accuracy_of(help=f"Relative error of the tip deflection asked for, {HIGHEST:g} to {LOWEST:g}; default: the engine's.")
-duration: Final = single(
-    "--duration", metavar="S", read=seconds, help='Time to simulate, "2 s" or a number of seconds; a multiple of the output step.'
-)
-_set: Final = functools.partial(click.option, "--set", "assignments", metavar="KEY=VALUE", multiple=True)
-_OVERRIDE: Final = 'Override a value of the case (follower.bending_stiffness="1800 lbf*in^2")'
-case_assignments: Final[Callable[[Any], Any]] = _set(help=f"{_OVERRIDE}; may be given again.")
-assignments: Final[Callable[[Any], Any]] = _set(
-    help=f"{_OVERRIDE} or a setting of the engine (engine.elements=32), of one among several by its name (mujoco.links=16);"
-    " may be given again."
-)
-
-
-def read_assignments(assignments: Sequence[str]) -> tuple[dict[str, str], dict[str, dict[str, str]]]:
-    """Split `--set` texts into overrides of the case by key, and settings by engine (see `engine_choice.settings_of`) and name."""
-    case: dict[str, str] = {}
-    engines: dict[str, dict[str, str]] = {}
-    for text in assignments:
+def _assigned(texts: Sequence[str]) -> tuple[dict[str, str], dict[str, dict[str, str]]]:
+    """Overrides of the case by key, and settings by engine (see `arguments.settings_of`) and name, from the texts of --set."""
+    overrides: dict[str, str] = {}
+    settings: dict[str, dict[str, str]] = {}
+    for text in texts:
         key, sign, value = text.partition("=")
         key = key.strip()
         if not (key and sign):
             raise click.UsageError(f'--set {as_written(text)}: give KEY=VALUE, e.g. crank.length="5 in" or engine.elements=32')
         parts = (key.partition("."), key.rpartition("."))  # the path of an engine's file has points of its own
-        section, name = next(((before, after) for before, point, after in parts if point and _is_engine(before)), ("", key))
-        target = engines.setdefault(section, {}) if section else case
+        engine, name = next(((before, after) for before, point, after in parts if point and _is_engine(before)), ("", key))
+        target = settings.setdefault(engine, {}) if engine else overrides
         if name in target:
             values = f"{as_written(target[name])} and {as_written(value.strip())}"
             raise click.UsageError(f"--set {shortened(key)}: {values} are both given; give one of them")
         target[name] = value.strip()
-    return case, engines
-
-
-def read_overrides(assignments: Sequence[str]) -> dict[str, str]:
-    """Overrides of the case, for subcommands without an engine. UsageError: a setting of an engine was given."""
-    overrides, settings = read_assignments(assignments)
-    for engine, texts in settings.items():
-        given = "=".join(map(shortened, next(iter(texts.items()))))
-        accepted = 'give values of the case, e.g. crank.length="5 in"'
-        raise click.UsageError(f"--set {engine}.{given}: engine settings have no meaning here; {accepted}")
-    return overrides
+    return overrides, settings
 
 
 def _is_engine(section: str) -> bool:
@@ -203,157 +178,77 @@ def _is_engine(section: str) -> bool:
     return section == ANY_ENGINE or (section not in SECTIONS and is_engine(section))
 
 
-def refuse_missing(engines: Sequence[str]) -> None:
-    """Refusal: an engine cannot be used here. Recorded tables may stand among the engines."""
-    from quickreturn.cases.recorded import is_table
-    from quickreturn.engines.registry import usable_engine
-
-    for name in engines:
-        if not is_table(name):
-            usable_engine(name)
+def _of_case(overrides: dict[str, str], settings: dict[str, dict[str, str]]) -> None:
+    """UsageError: a setting of an engine was given to a command without an engine."""
+    for engine, texts in settings.items():
+        given = "=".join(map(shortened, next(iter(texts.items()))))
+        accepted = 'give values of the case, e.g. crank.length="5 in"'
+        raise click.UsageError(f"--set {engine}.{given}: engine settings have no meaning here; {accepted}")
 
 
-def load_all(
-    names: Sequence[str],
-    tag: str | None,
-    overrides: dict[str, str],
-    duration: float | None = None,
-    output_step: float | None = None,
-    otherwise: Sequence[str] = (),
-) -> "list[Case]":
-    """The cases of some names and patterns, and those with a tag; if none are given, those of the names `otherwise`."""
-    from quickreturn.catalogue import list_cases, loaded
-
-    tagged = [] if tag is None else [line.name for line in list_cases(tag)]
-    wanted = [*names, *tagged] or otherwise
-    if not wanted:
-        raise click.UsageError("Missing argument 'CASE'", click.get_current_context())
-    return loaded(wanted, lambda name: load(name, overrides, duration, output_step))
+def _of_engines(overrides: dict[str, str], settings: dict[str, dict[str, str]]) -> None:
+    """UsageError: a value of the case was given to the report."""
+    for key, value in overrides.items():
+        accepted = "settings of engines, e.g. engine.elements=32, are accepted; write other values into a case file"
+        raise click.UsageError(f"--set {as_written(f'{key}={value}')}: the page would show another case than {key} makes; {accepted}")
 
 
-def load(case: str, overrides: dict[str, str], duration: float | None = None, output_step: float | None = None) -> "Case":
-    """The case with overrides and other simulation times, s."""
-    from quickreturn.cases.case_file import load_case, with_times
-
-    for key, seconds in (("duration", duration), ("output_step", output_step)):
-        if seconds is not None and f"simulation.{key}" in overrides:
-            given = f"{_option(key)} ({seconds:g} s) and --set simulation.{key}={as_written(overrides[f'simulation.{key}'])}"
-            raise click.UsageError(f"{given} are both given; give one of them")
-    loaded = in_units(load_case(case, overrides))
-    _tell_of_compiling()  # before the slow imports of a command
-    try:
-        return with_times(loaded, duration, output_step)
-    except CaseError as wrong:
-        raise CaseError("command line", _option(wrong.key or ""), wrong.value, wrong.problem, wrong.accepted) from None
+units: Final[Option] = shared(
+    "--units",
+    metavar="SET",
+    help="Units of texts and pictures: si, mm or inch; default: those of the case file. Files and JSON documents are in SI.",
+)
+_cases: Final = functools.partial(click.argument, "cases", shell_complete=complete_case)
 
 
-def _tell_of_compiling() -> None:
-    """Say, once in a call, that an engine's first run compiles, if no compiled code is kept yet."""
-    present = console.call()
-    if not present.told_of_compiling and (sentence := cache_folder.notice_if_none()):
-        present.told_of_compiling = True
-        console.begin(sentence)
+def cases(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the argument for any number of cases."""
+    return _cases(metavar="[CASE]...", nargs=-1, **_kept())(units(command))
 
 
-def in_units(case: "Case") -> "Case":
-    """The case, shown in the set of units that --units gives, if it does."""
-    name = console.call().units
-    return case if name is None else case.in_units(name)
+def case(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the argument for one case."""
+    return _cases(metavar="CASE", **_kept(lambda name: (name,)))(units(command))
 
 
-def given_as(case: "Case", overrides: Mapping[str, str]) -> list[str]:
-    """Arguments that name the same case with the same changes, for another command."""
-    changes = [part for key, value in overrides.items() for part in ("--set", f"{key}={value}")]
-    return [case.name if case.source == "library" else case.source, *changes]
-
-
-def tell_doubts(cases: "Sequence[Case]") -> None:
-    """Name doubtful values of the user's own cases on standard error, each doubt once; values of the library are intended."""
-    from quickreturn.cases.plausibility import doubts
-
-    concerned: dict[str, list[str]] = {}
-    for case in cases:
-        for doubt in doubts(case.scene):
-            if doubt in case.notes:
-                concerned.setdefault(doubt, []).append(case.name)
-    for doubt, (first, *others) in concerned.items():
-        console.tell(f"{first}{f' and {len(others)} more' if others else ''}: note: {doubt}")
-
-
-def tell_slow(cases: "Sequence[Case]") -> None:
-    """Name on standard error each case whose crank turns so slowly that its steady state takes minutes."""
-    from quickreturn.cases.runs.slow_turns import warning
-
-    for case in cases:
-        if slow := warning(case):
-            console.tell(f"{case.name}: {slow}")
-
-
-def _option(key: str) -> str:
-    return f"--{key.replace('_', '-')}"
+tag: Final = shared("--tag", metavar="TAG", help="Add all cases of the library with this tag.")
+engines_for: Final = functools.partial(
+    click.option,
+    "--engine",
+    "engines",
+    metavar="E",
+    multiple=True,
+    shell_complete=_complete_engine,
+    **_kept(lambda names: list(dict.fromkeys(names))),
+)
+engines: Final = engines_for(default=["reference"], show_default=True, help="Engine, see `quickreturn engines`; may be given again.")
+main_engines: Final = engines_for(help="Engine to run, or recorded table (.csv); may be given again. Default: the four main engines.")
+json: Final = click.option("--json", "as_json", is_flag=True, help="Print one JSON document.", **_kept())
+accuracy_of: Final = functools.partial(shared, "--accuracy", metavar="REL", read=number(LOWEST, HIGHEST, 1e-3))
+accuracy: Final = accuracy_of(help=f"Relative error of the tip deflection asked for, {HIGHEST:g} to {LOWEST:g}; default: the engine's.")
+duration: Final = shared(
+    "--duration", metavar="S", read=seconds, help='Time to simulate, "2 s" or a number of seconds; a multiple of the output step.'
+)
+output_step: Final = shared("--output-step", metavar="S", read=seconds, help='Time between rows, "1 ms" or a number of seconds.')
+_OVERRIDE: Final = 'Override a value of the case (follower.bending_stiffness="1800 lbf*in^2")'
+_ASSIGNMENTS: Final = f"{_OVERRIDE} or a setting of the engine (engine.elements=32), of one among several by its name (mujoco.links=16)"
+case_assignments: Final[Option] = _assignments(_of_case, _OVERRIDE)
+assignments: Final[Option] = _assignments(lambda overrides, settings: None, _ASSIGNMENTS)
+engine_assignments: Final[Option] = _assignments(_of_engines, _ASSIGNMENTS)
+stored: Final[Option] = click.option("--no-store", is_flag=True, help="Compute everything anew, and store nothing.", **_kept())
 
 
 def limited(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options for limits of time and memory, see `computing`."""
+    """Add the options for limits of time and memory."""
     time = 'Time after which an engine is stopped on a case, "90 s", "1 h" or a number of seconds; default: 3600.'
     memory = "Memory in GiB that an engine may take on a case; default: 8, or what the machine has if that is less."
-    command = single("--memory-limit", metavar="GIB", read=number(1e-3, 1e6, 4, of=" of GiB"), help=memory)(command)
-    return single("--time-limit", metavar="S", read=seconds, help=time)(command)
-
-
-stored: Final[Callable[[Any], Any]] = click.option(NO_STORE, is_flag=True, help="Compute everything anew, and store nothing.")
+    command = shared("--memory-limit", metavar="GIB", read=number(1e-3, 1e6, 4, of=" of GiB"), help=memory)(command)
+    return shared("--time-limit", metavar="S", read=seconds, help=time)(command)
 
 
 def of_workshop(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options of `limited`, the address of a cluster and the number of processes, see `computing`."""
-    told = "Compute on a cluster of Dask, whose scheduler has this address, e.g. tcp://host:8786."
-    command = single("--cluster", metavar="ADDRESS", help=told)(limited(command))
-    told = "Processes at a time on this machine; default: one per core."
-    return single("--jobs", metavar="N", read=number(1, 1000, 2, whole=True), help=told)(command)
-
-
-class Announced(Computing):
-    """How the jobs of a command run. Standard error is told what will run on which engines, and the notices of the store."""
-
-    def tell(self, notice: str) -> None:
-        """Print a notice of the store."""
-        console.tell(notice)
-
-    @contextmanager
-    def opened(self, cases: "Sequence[Case]" = (), engines: Sequence[str] = ()) -> "Iterator[Workshop]":
-        """See `Computing.opened`. The slow imports of the processes begin here, too."""
-        from quickreturn.cases.jobs import fork_server
-
-        with super().opened(cases, engines) as workshop:
-            console.keep_in(workshop.store)
-            _tell_of_compiling()
-            if cases and self.cluster is None:
-                fork_server.get_ready(fork_server.PRELOAD)
-            tell_doubts(cases)
-            if cases:
-                what = cases[0].name if len(cases) == 1 else f"{len(cases)} cases"
-                console.begin(f"{what} on {', '.join(engines)}; results are kept in {workshop.store.folder}")
-            try:
-                yield workshop
-            finally:
-                fork_server.not_needed()
-
-
-def computing(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Pass the options of `limited`, `stored` and `of_workshop`, as far as a command has them, to it as one argument `computing`."""
-
-    @functools.wraps(command)
-    def called(
-        *,
-        jobs: int | None = None,
-        cluster: str | None = None,
-        time_limit: float | None = None,
-        memory_limit: float | None = None,
-        no_store: bool = False,
-        **others: Any,
-    ) -> Any:
-        usual = default_limits()
-        limits = Limits(time_limit or usual.seconds, round(memory_limit * 2**30) if memory_limit else usual.memory)
-        return command(computing=Announced(jobs, cluster or None, limits, not no_store, console.call().quiet), **others)
-
-    return called
+    """Add the options of `limited`, the address of a cluster and the number of processes."""
+    address = "Compute on a cluster of Dask, whose scheduler has this address, e.g. tcp://host:8786."
+    command = shared("--cluster", metavar="ADDRESS", help=address)(limited(command))
+    processes = "Processes at a time on this machine; default: one per core."
+    return shared("--jobs", metavar="N", read=number(1, 1000, 2, whole=True), help=processes)(command)

@@ -1,48 +1,39 @@
-"""How commands read recorded tables: their options, how a table was read, and the file that names its columns."""
+"""How commands read recorded tables: their options, and the file that names the columns of a table."""
 
-import functools
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from quickreturn.commands import console
 from quickreturn.commands import options as common
-from quickreturn.commands.console import ExitCode
-from quickreturn.reports.output import check_writable, write_file
+from quickreturn.commands.console import ExitCode, check_file, tell, write
 
 if TYPE_CHECKING:
     from quickreturn.cases.recorded import RecordedTable
 
 _MAPPED: Final = 'What a heading of FILE is: "crank.phi = crank_angle [deg]", "phi = -1 * crank_angle [deg] + 90".'
-
-
 _SIGN: Final = 'Sign between the columns of FILE: ",", ";", "tab" or "blank"; default: recognised.'
 _DECIMAL: Final = 'Decimal sign of FILE, "." or ","; default: recognised.'
 _SKIP: Final = "Number of lines above the headings of FILE to leave out."
 
 
 def options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the options that say how recorded tables are to be read, and pass them on as one argument `reading`, those of `read_table`."""
-
-    @functools.wraps(command)
-    def called(*, columns: Sequence[str], decimal: str | None, separator: str | None, skip: int | None, **others: Any) -> Any:
-        return command(reading={"columns": columns, "decimal": decimal, "separator": separator, "skip": skip or 0}, **others)
-
-    lines = common.single("--skip", metavar="LINES", read=common.number(0, 10_000, 3, whole=True), help=_SKIP)(called)
-    signs = common.single("--separator", metavar="SIGN", help=_SIGN)(common.single("--decimal", metavar="SIGN", help=_DECIMAL)(lines))
-    return common.several("--column", "columns", metavar="TEXT", help=_MAPPED)(signs)
+    """Add the options that say how recorded tables are to be read: the arguments of `read_table`."""
+    command = common.single("--skip", metavar="LINES", read=common.number(0, 10_000, 3, whole=True), default="0", help=_SKIP)(command)
+    command = common.single("--decimal", metavar="SIGN", help=_DECIMAL)(command)
+    command = common.single("--separator", metavar="SIGN", help=_SIGN)(command)
+    return common.several("--column", "columns", metavar="TEXT", help=_MAPPED)(command)
 
 
 def read(paths: Iterable[str], reading: Mapping[str, Any]) -> "list[RecordedTable]":
-    """Recorded tables; standard error is told how each is written."""
+    """Recorded tables; a message on standard error says how each is written."""
     from quickreturn.cases.recorded import read_table
 
     read = [read_table(path, **reading) for path in dict.fromkeys(paths)]
     for table in read:
         if table.told:
-            console.tell(f"{table.shown}: {table.told}")
+            tell(f"{table.shown}: {table.told}")
     return read
 
 
@@ -53,10 +44,10 @@ def write_mapping(files: Sequence[str], reading: Mapping[str, Any]) -> int:
 
     if len(files) != 1:
         raise click.UsageError("--write-mapping: give one FILE")
-    target = Path(mapping_file(files[0]))
-    if target.exists():
+    target = mapping_file(files[0])
+    if Path(target).exists():
         raise click.UsageError(f"--write-mapping: {target} exists already; edit it")
-    check_writable(target, files[0], ".toml")
-    write_file(target, suggested_mapping(files[0], **reading).encode())
+    check_file(str(target), files[0], (".toml",))
+    write(str(target), lambda ending: suggested_mapping(files[0], **reading).encode())
     click.echo(f"{target}: edit the lines with -, then compare again")
     return ExitCode.GOOD

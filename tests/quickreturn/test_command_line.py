@@ -1,6 +1,5 @@
 """The program from outside: exit codes, one sentence on standard error, JSON alone on standard output, files whole or not at all."""
 
-import json
 import math
 import os
 import re
@@ -11,22 +10,11 @@ from pathlib import Path
 
 import pytest
 
-from quickreturn.command_line import main
 from tests.quickreturn.conftest import Call
 from tests.quickreturn.input.answers import document, scene, variant
 from tests.quickreturn.program import PROGRAM, descendants, started, wait_until
 
 __all__ = ["scene"]
-
-
-def test_engines_lists_main_and_third_party_ones(call: Call) -> None:
-    answer = call("engines", "--json")
-    assert answer.code == 0
-    rows = {row["name"]: row for row in document(answer)}
-    assert list(rows)[:4] == ["thesis", "reference", "exudyn", "mujoco"]
-    known = {"version": "fake 1.0", "method": "closed form", "estimate_of": "total", "available": True, "reason": None}
-    assert rows["fake"] == {"name": "fake"} | known
-    assert "fake 1.0" in call("engines").output
 
 
 def test_engine_that_fails_without_a_word_is_shown_as_failed(call: Call, tmp_path: Path) -> None:
@@ -53,20 +41,6 @@ def test_engine_that_crashes_on_import_is_listed_with_the_reason(call: Call, tmp
     (row,) = (row for row in document(call("engines", "--json")) if row["name"] == "crash")
     assert not row["available"]
     assert "killed by SIGSEGV" in row["reason"]
-
-
-def test_cases_by_tag(call: Call) -> None:
-    names = [row["name"] for row in document(call("cases", "--tag", "thesis", "--json"))]
-    assert names == [f"thesis-{run:02d}" for run in range(1, 25)]
-    assert "thesis-24" in call("cases").output
-
-
-def test_help_names_every_command(call: Call) -> None:
-    answer = call("--help")
-    assert answer.code == 0
-    for name in ("engines", "cases", "show", "simulate", "modes"):
-        assert re.search(rf"^  {name} ", answer.output, re.MULTILINE)
-    assert call().output == answer.output
 
 
 # --- show and modes --------------------------------------------------------------------------------------------------------------
@@ -105,24 +79,6 @@ def test_modes_in_hertz(call: Call) -> None:
     assert "13.1416 Hz" in call("modes", "small.toml", "--engine", "fake", "--crank-angle", "180").output
 
 
-def test_frequencies_that_cannot_be_are_the_engines_failure(call: Call, tmp_path: Path) -> None:
-    """What else cannot be: `tests.engines.test_natural_frequencies`."""
-    variant(tmp_path, "def natural_frequencies(self, *_): return [10.0, float('nan')]")
-    for more in ((), ("--json",)):
-        answer = call("modes", "small.toml", "--engine", "variant", "--crank-angle", "0", *more)
-        assert (answer.code, answer.output) == (3, "")
-        assert answer.errors.startswith("quickreturn: small: engine variant: the engine returned natural frequencies ")
-        assert "that are not finite: [10.0, nan]" in answer.errors
-        assert answer.errors.count("\n") == 1
-
-
-def test_a_model_that_cannot_vibrate_has_no_frequencies(call: Call, tmp_path: Path) -> None:
-    variant(tmp_path, "def natural_frequencies(self, *_): return []")
-    asked = ("modes", "small.toml", "--engine", "variant", "--crank-angle", "0")
-    assert document(call(*asked, "--json"))["frequencies"] == []
-    assert "no natural frequency" in call(*asked).output
-
-
 def test_unforeseen_error_is_a_sentence_too(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
     def broken(*arguments: object) -> None:
         raise KeyError("surprise")
@@ -134,15 +90,6 @@ def test_unforeseen_error_is_a_sentence_too(call: Call, monkeypatch: pytest.Monk
 
 
 # --- real processes --------------------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.usefixtures("call")
-def test_program_as_a_process(tmp_path: Path) -> None:
-    arguments = ("simulate", "small.toml", "--engine", "fake", "--output", "out.csv", "--set", "engine.step=0.1")
-    program = started("--quiet", *arguments, "--json", folder=tmp_path)
-    output, errors = program.communicate()
-    assert (program.returncode, errors) == (0, "")
-    assert json.loads(output)["rows"] == 101
 
 
 @pytest.mark.parametrize(("given", "then"), [({}, "1"), ({"OPENBLAS_NUM_THREADS": "3"}, "3")])
@@ -180,20 +127,18 @@ def test_interrupt_is_exit_130_and_leaves_nothing_behind(tmp_path: Path) -> None
     assert sorted(file.name for file in tmp_path.iterdir()) == ["packages", "small.toml"]
 
 
-def test_main_returns_the_code_and_raises_nothing(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["show", "no-such-case"]) == 2
-    assert main(["show", "\0"]) == 2
-    assert main(["\udcff"]) == 2
-    assert main(["modes", "\x1b[31m" + "x" * 5000, "--engine", "thesis", "--crank-angle", "0"]) == 2
-    assert main(["simulate", "small.toml", "--engine", "thesis", "--output", "\udc00"]) == 2
-    errors = capsys.readouterr().err
-    assert len(errors.splitlines()) == 5
-    assert max(map(len, errors.splitlines())) < 1000
-    assert "\x1b" not in errors
-    assert "Traceback" not in errors
-
-
 def test_show_groups_parts_that_differ_in_their_numbers_alone() -> None:
     from quickreturn.commands.case_document import grouped
 
     assert grouped(["crank", "link 1: rod", "link 2: rod", "link 3: rod", "tip"]) == ["crank", "link 1 to 3: rod", "tip"]
+
+
+@pytest.mark.parametrize(("returned", "code"), [("[10.0, float('nan')]", 3), ("[]", 0)])
+def test_frequencies_that_cannot_be_are_the_engines_failure_and_none_is_an_answer(
+    call: Call, tmp_path: Path, returned: str, code: int
+) -> None:
+    variant(tmp_path, f"def natural_frequencies(self, *_): return {returned}")
+    asked = ("modes", "small.toml", "--engine", "variant", "--crank-angle", "0")
+    words, answer = call(*asked), call(*asked, "--json")
+    assert (words.code, answer.code, bool(words.output), words.errors.count("\n")) == (code, code, code == 0, int(code == 3))
+    assert document(answer)["frequencies"] == [] if code == 0 else "variant" in answer.errors

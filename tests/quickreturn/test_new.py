@@ -10,6 +10,7 @@ from quickreturn.cases.case_file import load_case
 from quickreturn.cases.keys import PATHS
 from quickreturn.reference_model.scene_values import SPIN_UP
 from tests.quickreturn.conftest import Call
+from tests.quickreturn.input.answers import refused
 from tests.quickreturn.scene_file import SCENE
 
 
@@ -64,17 +65,12 @@ def test_what_it_says_can_be_done_next_can_be_done(call: Call, tmp_path: Path, o
         assert (answer.code, "follower.lenght" in answer.errors) == (2, True)
 
 
-def test_a_file_is_never_overwritten(call: Call, tmp_path: Path) -> None:
+def test_what_is_there_is_never_overwritten_and_a_mistake_leaves_no_file(call: Call, tmp_path: Path) -> None:
     (tmp_path / "mine.toml").write_text("kept")
     (tmp_path / "link.toml").symlink_to("nowhere.toml")
     for name in ("mine.toml", "./mine.toml", "link.toml"):
-        answer = call("new", name)
-        assert (answer.code, answer.output) == (2, "")
-        assert "not overwritten" in answer.errors
+        refused(call("new", name), "not overwritten")
+    refused(call("new", "other.toml", "--from", "example", "--set", "crank.length=600 mm"), "crank.length")
     assert (tmp_path / "mine.toml").read_text() == "kept"
     assert not (tmp_path / "nowhere.toml").exists()
-
-
-def test_a_copy_of_what_cannot_be_leaves_no_file(call: Call, tmp_path: Path) -> None:
-    assert call("new", "mine.toml", "--from", "example", "--set", "crank.length=600 mm").code == 2
-    assert not (tmp_path / "mine.toml").exists()
+    assert not (tmp_path / "other.toml").exists()

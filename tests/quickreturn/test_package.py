@@ -282,61 +282,48 @@ def test_a_follower_alone_shows_no_estimate_of_columns_that_it_lacks(place: Path
 
 
 class Compiling(FakeEngine):
-    """Keeps the processor busy for its first model or its first frequencies, or only waits."""
+    """Says that it compiles, and then works or waits."""
 
     compiles = True
-    busy = 0.1  # s, twice what is told of
-    idle = 0.0
+
+    def __init__(self, work: Callable[[], object]) -> None:
+        self.work = work
 
     def prepare(self, *arguments: Any) -> qr.Simulation:
-        self.load()
+        self.work()
         return super().prepare(*arguments)
 
     def natural_frequencies(self, *arguments: Any) -> NDArray[np.float64]:
-        self.load()
+        self.work()
         return super().natural_frequencies(*arguments)
 
-    def load(self) -> None:
-        time.sleep(self.idle)
-        began = time.process_time()
-        while time.process_time() - began < self.busy:
-            pass
+
+def busy() -> None:
+    """Takes 0.1 s of the processor, twice the time after which a message comes."""
+    began = time.process_time()
+    while time.process_time() - began < 0.1:
+        pass
 
 
-class Loading(Compiling):
-    """Takes long by the clock alone, as on a busy machine."""
-
-    busy, idle = 0.0, 0.1
-
-
-@pytest.mark.parametrize(
-    "call",
-    [qr.simulate, qr.modes, lambda *given, **more: qr.simulate(*given, estimate=False, **more)],
-    ids=["simulate", "modes", "no estimate"],
-)
+@pytest.mark.parametrize("call", [qr.simulate, qr.modes], ids=["simulate", "modes"])
 def test_the_person_who_waits_for_a_compiler_is_told_once(
     call: Callable[..., object], place: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    told = "  fake: compiling its equations, once for this machine; that takes some fifteen seconds ...\n"
-    monkeypatch.setattr("quickreturn.cases.jobs.display.COMPILING_AFTER", 0.05)
-    monkeypatch.setattr("quickreturn.cases.jobs.display.LOOK_INTERVAL", 0.01)
-    call("small.toml", Compiling())
-    assert capfd.readouterr() == ("", told)
-    call("small.toml", Compiling(), quiet=True)
-    call("small.toml", FakeEngine())
-    call("small.toml", Loading())
-    assert capfd.readouterr() == ("", "")
-
-
-def test_the_person_who_waits_for_another_process_is_told_for_which(
-    place: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr("quickreturn.cases.jobs.display.LOOK_INTERVAL", 0.01)
-    monkeypatch.setattr("quickreturn.cases.jobs.display.waits_for", lambda: 4711)
-    qr.simulate("small.toml", Loading())
-    assert capfd.readouterr().err == "  fake: waits for process 4711, which compiles its equations, once for this machine ...\n"
-    qr.simulate("small.toml", Loading(), quiet=True)
-    assert capfd.readouterr().err == ""
+    display = "quickreturn.cases.jobs.display"
+    monkeypatch.setattr(f"{display}.COMPILING_AFTER", 0.05)
+    monkeypatch.setattr(f"{display}.LOOK_INTERVAL", 0.01)
+    for engine, quiet, messages in (
+        (Compiling(busy), False, ["compiling"]),
+        (Compiling(busy), True, []),
+        (FakeEngine(), False, []),
+        (Compiling(lambda: time.sleep(0.1)), False, []),  # long by the clock alone, as on a busy machine
+    ):
+        call("small.toml", engine, quiet=quiet)
+        output, errors = capfd.readouterr()
+        assert (output, [word for word in ("compiling", "waits for") if word in errors]) == ("", messages)
+    monkeypatch.setattr(f"{display}.waits_for", lambda: 4711)
+    call("small.toml", Compiling(lambda: time.sleep(0.1)))
+    assert "waits for process 4711" in capfd.readouterr().err
 
 
 def test_without_an_estimate_the_table_is_the_same_and_nothing_is_claimed(place: Path) -> None:

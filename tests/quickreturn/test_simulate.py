@@ -3,10 +3,12 @@
 import csv
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+import quickreturn as qr
 from quickreturn.engines.trajectory import REQUIRED
 from tests.quickreturn.conftest import Call
 from tests.quickreturn.input.answers import document, refused, scene, simulated, variant
@@ -36,114 +38,6 @@ def test_simulate_json(call: Call) -> None:
     # sin t + e cos t with e = 0.5 x 0.025^2: over 0.1 s the sine has an RMS of 0.1 / sqrt(3), the cosine one of nearly 1 (to 0.2 %).
     assert found["error_estimate"] == pytest.approx(0.5 * 0.025**2 * math.sqrt(3.0) / 0.1, rel=0.01)
     assert found["reached"] is True
-
-
-def test_accuracy_missed_is_exit_3_and_the_file_is_kept(call: Call, tmp_path: Path) -> None:
-    answer = simulated(call, "--accuracy", "1e-3")
-    assert answer.code == 3
-    assert "engine fake: the estimated error" in answer.errors
-    assert "misses the accuracy 0.001" in answer.errors
-    assert "101 rows are kept in out.csv" in answer.errors
-    assert len((tmp_path / "out.csv").read_text().splitlines()) == 102
-
-
-#: Names of what is estimated, in the terminal, and in the JSON document.
-COLUMNS = {
-    "deflection": "tip_deflection",
-    "acceleration": "tip_acceleration",
-    "strain 1": "strain_1",
-    "strain 2": "strain_2",
-    "strain 3": "strain_3",
-    "force": "slider_force",
-}
-
-
-#: Of the columns that have one.
-UNITS = {"tip_deflection": " mm", "tip_acceleration": " m/s\\^2", "slider_force": " N"}
-
-
-def test_the_estimate_of_every_column_is_shown(call: Call) -> None:
-    found = document(simulated(call, "--accuracy", "1e-2", "--json"))["error_estimates"]
-    assert list(found) == list(COLUMNS.values())
-    assert found["strain_1"] is not None
-    assert found["slider_force"] is None, "zero throughout"
-    shown = simulated(call, "--accuracy", "1e-2").output
-    assert re.search(r"^error estimate +of +relative +RMS$", shown, re.MULTILINE)
-    for name, column in COLUMNS.items():
-        text = "unknown" if found[column] is None else f"{found[column]:.1e}"
-        size = rf" +\S+{UNITS.get(column, '')}" if found[column] else ""
-        asked = r" +asked: 0\.01" if column == "tip_deflection" else ""
-        assert re.search(rf"^ +{name} +{re.escape(text)}{size}{asked}$", shown, re.MULTILINE), (name, shown)
-
-
-def test_the_estimate_of_a_follower_that_does_not_bend_is_the_tips(call: Call) -> None:
-    found = document(simulated(call, "--set", "engine.behaviour=rigid", "--json"))
-    assert found["error_estimates"]["tip_deflection"] is None
-    shown = simulated(call, "--set", "engine.behaviour=rigid").output
-    assert re.search(rf"^ +tip's place +{found['error_estimate']:.1e} +\S+ mm$", shown, re.MULTILINE), shown
-
-
-def test_an_integration_error_is_called_so(call: Call, tmp_path: Path) -> None:
-    variant(tmp_path, "estimates = 'integration'")
-    answer = simulated(call, "--accuracy", "1e-2", engine="variant")
-    assert (answer.code, answer.errors) == (0, "")
-    assert re.search(
-        r"^integration error +of .*\n +deflection +\S+ +\S+ mm +asked: 0\.01; model error not estimated, see `run`$",
-        answer.output,
-        re.MULTILINE,
-    )
-    assert document(simulated(call, "--json", engine="variant"))["estimate_of"] == "integration"
-    for arguments in (("engines",), ("engines", "variant")):
-        assert "integration error; model error not estimated, see `run`" in call(*arguments).output
-    assert document(call("engines", "variant", "--json"))["estimate_of"] == "integration"
-    missed = simulated(call, "--accuracy", "1e-4", engine="variant")
-    assert missed.code == 3
-    assert "the estimated integration error" in missed.errors
-
-
-def test_an_estimate_that_is_not_verified_reaches_no_accuracy_that_was_asked(call: Call, tmp_path: Path) -> None:
-    variant(tmp_path, "estimates = 'unverified'")
-    answer = simulated(call, "--accuracy", "1e-2", engine="variant")
-    assert answer.code == 3
-    assert re.search(r"^ +deflection +\S+ +\S+ mm +asked: 0\.01; estimate not verified$", answer.output, re.MULTILINE)
-    assert answer.errors.startswith("quickreturn: small: engine variant: ")
-    assert "are not verified" in answer.errors
-    assert "101 rows are kept in out.csv" in answer.errors
-    asked_nothing = simulated(call, "--json", engine="variant")
-    assert (asked_nothing.code, asked_nothing.errors) == (0, "")
-    assert document(asked_nothing)["estimate_of"] == "unverified"
-    assert "error; estimate not verified" in call("engines").output
-
-
-def test_without_an_estimate_nothing_is_said_of_the_error(call: Call) -> None:
-    found = document(simulated(call, "--no-estimate", "--json"))
-    assert (found["error_estimate"], found["reached"], found["estimate_seconds"]) == (None, True, pytest.approx(0.0, abs=0.1))
-    shown = simulated(call, "--no-estimate").output
-    assert "error estimate" not in shown
-    assert re.search(r"^remark +the error is not estimated, as asked$", shown, re.MULTILINE)
-    refused = simulated(call, "--no-estimate", "--accuracy", "1e-2")
-    assert refused.code == 2
-    assert "--accuracy 0.01 and --no-estimate are both given" in refused.errors
-
-
-def test_an_unknown_error_is_told_with_its_reason(call: Call) -> None:
-    settings = ("--set", "engine.step=0.05", "--set", "engine.behaviour=coarse fails")
-    answer = simulated(call, *settings)
-    assert (answer.code, answer.errors) == (0, "")
-    assert answer.output.count("unknown") >= len(COLUMNS)
-    assert re.search(r"^remark +the error is unknown: .*the step is too large", answer.output, re.MULTILINE)
-    asked = simulated(call, *settings, "--accuracy", "1e-2", "--json")
-    assert asked.code == 3
-    assert "the error is unknown: " in asked.errors
-    assert document(asked)["error_estimate"] is None
-
-
-def test_failure_is_exit_3_and_keeps_what_was_computed(call: Call, tmp_path: Path) -> None:
-    answer = simulated(call, "--set", "engine.behaviour=fails", "--json")
-    assert answer.code == 3
-    assert document(answer)["failure"] == {"time": 0.002, "cause": "the beam snapped", "advice": "try another beam"}
-    assert "failed at t = 0.002 s: the beam snapped; try another beam; 3 rows are kept in out.csv" in answer.errors
-    assert len((tmp_path / "out.csv").read_text().splitlines()) == 4
 
 
 @pytest.mark.parametrize(
@@ -177,12 +71,6 @@ def test_times_with_and_without_units(call: Call, duration: str, step: str, rows
     assert document(answer)["rows"] == rows
 
 
-def test_output_that_cannot_be_is_refused_before_the_simulation(call: Call) -> None:
-    # The engine would die: that it does not shows that it was not asked.
-    asked = ("simulate", "small.toml", "--engine", "fake", "--output", "absent/out.csv", "--set", "engine.behaviour=dies")
-    refused(call(*asked), "absent/out.csv", "no folder")
-
-
 def test_full_disk_is_one_sentence(call: Call) -> None:
     refused(
         call("simulate", "small.toml", "--engine", "fake", "--output", "/dev/full", "--set", "engine.step=0.1"),
@@ -198,3 +86,59 @@ def test_output_through_a_link_replaces_the_file_and_not_the_link(call: Call, tm
     assert simulated(call, "--set", "engine.step=0.1").code == 0
     assert (tmp_path / "out.csv").is_symlink()
     assert (tmp_path / "target.csv").read_text().startswith("time,")
+
+
+#: What is estimated, as the terminal and the JSON document name it.
+COLUMNS = {"deflection": "tip_deflection", "acceleration": "tip_acceleration", "force": "slider_force"} | {
+    f"strain {k}": f"strain_{k}" for k in (1, 2, 3)
+}
+
+
+@pytest.mark.parametrize(
+    ("line", "more", "code", "estimate_of", "errors"),
+    [
+        ("", ("--accuracy", "1e-2"), 0, "total", 0),
+        ("", ("--accuracy", "1e-3"), 3, "total", 1),
+        ("", ("--set", "engine.behaviour=rigid"), 0, "total", 0),
+        ("", ("--no-estimate",), 0, "total", 0),
+        ("", ("--set", "engine.step=0.05", "--set", "engine.behaviour=coarse fails"), 0, "total", 0),
+        ("", ("--set", "engine.step=0.05", "--set", "engine.behaviour=coarse fails", "--accuracy", "1e-2"), 3, "total", 1),
+        ("estimates = 'integration'", ("--accuracy", "1e-2"), 0, "integration", 0),
+        ("estimates = 'integration'", ("--accuracy", "1e-4"), 3, "integration", 1),
+        ("estimates = 'unverified'", ("--accuracy", "1e-2"), 3, "unverified", 1),
+        ("estimates = 'unverified'", (), 0, "unverified", 0),
+    ],
+)
+def test_the_terminal_shows_the_estimates_of_the_document_and_the_code_whether_they_suffice(
+    call: Call, tmp_path: Path, line: str, more: tuple[str, ...], code: int, estimate_of: str, errors: int
+) -> None:
+    variant(tmp_path, line or "pass")
+    words, answer = (simulated(call, *more, *json, engine="variant") for json in ((), ("--json",)))
+    found = document(answer)
+    assert (words.code, answer.code, found["estimate_of"], words.errors.count("\n")) == (code, code, estimate_of, errors)
+    assert (found["reached"], found["rows"]) == (code == 0, 101)
+    assert len((tmp_path / "out.csv").read_text().splitlines()) == 102
+    estimates = found["error_estimates"]
+    for name, column in COLUMNS.items() if "--no-estimate" not in more else ():
+        text = "unknown" if estimates[column] is None else f"{estimates[column]:.1e}"
+        rigid = column == "tip_deflection" and estimates[column] is None and found["error_estimate"] is not None
+        shown = rf"tip's place +{found['error_estimate']:.1e} +\S+ mm" if rigid else f"{name} +{re.escape(text)}"
+        assert re.search(rf"^ +{shown}", words.output, re.MULTILINE), (name, words.output)
+
+
+def test_a_failure_is_exit_3_and_keeps_what_was_computed(call: Call, tmp_path: Path) -> None:
+    answer = simulated(call, "--set", "engine.behaviour=fails", "--json")
+    assert answer.code == 3
+    assert document(answer)["failure"] == {"time": 0.002, "cause": "the beam snapped", "advice": "try another beam"}
+    assert len((tmp_path / "out.csv").read_text().splitlines()) == 4
+    assert (
+        "3 rows are kept only with --output" in call("simulate", "small.toml", "--engine", "fake", "--set", "engine.behaviour=fails").errors
+    )
+
+
+@pytest.mark.parametrize("estimate", [1.42, 0.98])
+def test_a_column_that_is_all_error_is_doubtful(call: Call, estimate: float) -> None:
+    found = qr.simulate("small.toml", "fake", store=False)
+    estimates: dict[str, float | None] = {**found.result.error_estimates, "strain_1": estimate}
+    rows = dict(replace(found, result=replace(found.result, error_estimates=estimates)).rows())
+    assert ("strain_1" in str(rows.get("doubtful"))) is (estimate > 1.0)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from quickreturn.cases.displayed import in_lines
+from quickreturn.cases.printable import in_lines
 from quickreturn.cases.runs.comparison import CaseResult
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.results.loads import loads_of_case
@@ -164,10 +164,3 @@ def test_files_and_documents_are_in_si_to_the_bit_whatever_is_shown(call: Call) 
         kept[units] = (run, shown, {name: content for name, content in files.items() if name != "provenance.csv"})
     assert kept["si"] == kept["mm"] == kept["inch"]
     assert len(kept["si"][2]) > 5
-
-
-def test_an_unknown_set_of_units_is_one_sentence(call: Call) -> None:
-    Path("lever.toml").write_text(machine(inches=False))
-    found = call("show", "lever.toml", "--units", "feet")
-    assert (found.code, found.errors) == (2, 'quickreturn: --units: "feet" is no set of units; accepted are si, mm, inch\n')
-    assert "--units" in call("show", "lever.toml", "--units", "si", "--units", "mm").errors

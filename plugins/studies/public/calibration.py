@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 
-from quickreturn import questions
+from quickreturn import descriptions
+from quickreturn.arguments import AnyCase, one_case
 from quickreturn.cases.errors import texts_given
 from quickreturn.cases.jobs.job import Job, Limits
 from quickreturn.cases.text.number_rows import Form
-from quickreturn.catalogue import AnyCase, one_case
 from quickreturn.plugins.studies.uncertainty import calibration
 from quickreturn.plugins.studies.uncertainty.calibration import frees_of
 from quickreturn.plugins.studies.uncertainty.fit import Fit
@@ -46,4 +46,4 @@ def calibrate(
     frees_of(keys, chosen)
     TableModel(chosen, recorded)
     job = Job("calibration", calibration.calibrate, (chosen, recorded, keys))
-    return questions.value_of(questions.asked([job], "calibration", limits, quiet)[0])
+    return descriptions.value_of(descriptions.outcomes([job], "calibration", limits, quiet)[0])

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from quickreturn.accuracy import checked
+from quickreturn.arguments import AnyCase, one_case
 from quickreturn.cases.case import Case
-from quickreturn.cases.displayed import Cell, Displayed, Rows
 from quickreturn.cases.errors import CaseError, as_written, texts_given
 from quickreturn.cases.jobs.display import compilation_announced
 from quickreturn.cases.keys import PATHS, si_value
+from quickreturn.cases.printable import Cell, Printable, Rows
 from quickreturn.cases.shown import Unit
-from quickreturn.catalogue import AnyCase, one_case
+from quickreturn.computing import checked
 from quickreturn.dataset import dataset_file, table_file
 from quickreturn.plugins.studies.around import Around
 from quickreturn.plugins.studies.public.sweeping import ERROR
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from quickreturn.reports.drawing.style import Drawing
 
 
-class Resonance(Displayed):
+class Resonance(Printable):
     """The periodic motion of a machine over one of its quantities.
 
     Attributes:

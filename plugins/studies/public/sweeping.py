@@ -9,16 +9,15 @@ from typing import TYPE_CHECKING, Any, Final, cast, get_args
 
 import numpy as np
 
-from quickreturn.accuracy import checked
+from quickreturn import computing
+from quickreturn.arguments import AnyCase, Listing, given_settings, one_case
 from quickreturn.cases.case import Case, parse_case
 from quickreturn.cases.errors import Argument, CaseError, as_written, texts_given
 from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.keys import si_text, unit_given
 from quickreturn.cases.measures.catalogue import MEASURES, Measure, measure
 from quickreturn.cases.shown import Units
-from quickreturn.catalogue import AnyCase, Listing, one_case
-from quickreturn.computing import Computing
-from quickreturn.cross_validation import given_settings
+from quickreturn.computing import checked
 from quickreturn.engines.registry import usable_engine
 from quickreturn.plugins.studies.sweep.grid import ENGINE, Axis, Grid, axis, unit_of
 from quickreturn.plugins.studies.sweep.rows import MeasureRequest
@@ -82,7 +81,7 @@ def sweep(
     chosen = one_case(case)
     names = texts_given(measures, "measures", USUAL[0])
     axes = tuple(_axis(key, values) for key, values in vary.items())
-    with nullcontext(workshop) if workshop is not None else Computing(jobs, quiet=quiet).opened() as opened:
+    with nullcontext(workshop) if workshop is not None else computing.workshop(jobs, quiet) as opened:
         return dataset_of(computed(chosen, axes, names, os.fspath(engine), accuracy, settings, claims, path, opened))
 
 

@@ -4,7 +4,7 @@ import os
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
-from quickreturn.accuracy import HIGHEST, LOWEST, checked
+from quickreturn.arguments import AnyCase, check, given_settings, one_case
 from quickreturn.cases.case import Case
 from quickreturn.cases.case_file import in_library, load_case
 from quickreturn.cases.errors import Argument, CaseError, as_written, attempted, nearest_or_all, texts_given, together
@@ -12,10 +12,7 @@ from quickreturn.cases.keys import SECTIONS
 from quickreturn.cases.measures.catalogue import measure
 from quickreturn.cases.text.broken_toml import toml_of
 from quickreturn.cases.text.text_file import read_text
-from quickreturn.catalogue import AnyCase, one_case
-from quickreturn.computing import Computing
-from quickreturn.cross_validation import given_settings
-from quickreturn.engine_choice import check
+from quickreturn.computing import HIGHEST, LOWEST, checked, workshop
 from quickreturn.engines.registry import engine_names, is_engine, usable_engine
 from quickreturn.plugins.studies.sweep.rows import MeasureRequest
 from quickreturn.plugins.studies.uncertainty.chaos import least_points
@@ -81,8 +78,8 @@ def uncertainty(
         study = study_of(source)
         study |= {} if case is None else {"case": one_case(case)}
     points = points_of(study, source, measures, samples, None if engine is None else os.fspath(engine), settings, claims, accuracy)
-    with Computing(jobs, quiet=quiet).opened() as workshop:
-        return points.scatter(workshop)
+    with workshop(jobs, quiet) as opened:
+        return points.scatter(opened)
 
 
 def points_of(
@@ -117,12 +114,12 @@ def points_of(
     if not uncertain and "uncertain" not in study:
         accepted = 'give a value of it a tolerance, such as thickness = "6 mm +- 0.1 mm", or write a study with a table [uncertain]'
         raise CaseError(file, None, None, "has no tolerances", accepted)
-    asked = samples or study.get("samples", SAMPLES)
-    points = planned(case, uncertain, request, asked, source if "uncertain" in study else file)
-    if asked < (least := least_points(len(points.distributions))):
+    count = samples or study.get("samples", SAMPLES)
+    points = planned(case, uncertain, request, count, source if "uncertain" in study else file)
+    if count < (least := least_points(len(points.distributions))):
         given, key = (Argument("samples"), None) if samples is not None else (source, "samples")
         problem = f"points are too few for {len(points.distributions)} uncertain quantities"
-        raise CaseError(given, key, str(asked), problem, f"at least {least} are needed, or fewer uncertain quantities")
+        raise CaseError(given, key, str(count), problem, f"at least {least} are needed, or fewer uncertain quantities")
     return points
 
 

@@ -13,6 +13,7 @@ import pytest
 import quickreturn as qr
 from quickreturn.plugins.studies.drawing.scatter import scatter_figure
 from tests.quickreturn.conftest import Call
+from tests.quickreturn.input.answers import refused
 from tests.quickreturn.program import descendants, running, started, wait_until
 
 RPM = math.pi / 30.0
@@ -178,13 +179,8 @@ def test_a_bad_study_file_gets_one_sentence(place: Call, text: str, words: tuple
     kept = [line for line in WORK.splitlines() if line and not line.startswith((key, "[", "base") if key == "uncertain" else (key,))]
     top = [line for line in kept if not line.startswith(("[", "base"))]
     Path("work.toml").write_text("\n".join([text, *top, *(line for line in kept if line not in top)]))
-    answer = place("uncertainty", "work.toml")
-    assert answer.code == 2
-    assert answer.output == ""
-    (line,) = answer.errors.splitlines()
-    assert "work.toml: " in line
-    for word in words:
-        assert word in line.replace('\\"', '"')
+    refused(place("uncertainty", "work.toml"), "work.toml: ", *words)
+    assert not results(Path())
 
 
 @pytest.mark.parametrize(
@@ -203,10 +199,7 @@ def test_a_bad_study_file_gets_one_sentence(place: Call, text: str, words: tuple
     ids=str,
 )
 def test_answers_to_mistakes_on_the_command_line(place: Call, typed: tuple[str, ...], words: tuple[str, ...]) -> None:
-    answer = place("uncertainty", *typed)
-    assert answer.code == 2
-    for word in words:
-        assert word in answer.errors
+    refused(place("uncertainty", *typed), *words)
 
 
 def test_too_many_quantities_for_the_points_are_told_before_anything_is_computed(place: Call) -> None:
@@ -216,10 +209,7 @@ def test_too_many_quantities_for_the_points_are_told_before_anything_is_computed
         for key in keys
     )
     Path("work.toml").write_text(WORK + more)
-    answer = place("uncertainty", "work.toml")
-    assert answer.code == 2
-    told = "samples: 8 points are too few for 5 uncertain quantities; at least 16 are needed, or fewer uncertain quantities"
-    assert answer.errors.strip() == f"quickreturn: work.toml: {told}"
+    refused(place("uncertainty", "work.toml"), "work.toml", "samples", "8", "5 uncertain", "16")
     assert not results(Path())
 
 

@@ -8,8 +8,8 @@ import numpy as np
 from scipy import stats
 
 from quickreturn.cases.case import Case
-from quickreturn.cases.displayed import Cell, Displayed, Rows
 from quickreturn.cases.keys import text_of, unit_given
+from quickreturn.cases.printable import Cell, Printable, Rows
 from quickreturn.cases.text.copies import LONGEST_NAME
 from quickreturn.plugins.studies.uncertainty.parameters import Parameter, changes
 
@@ -52,7 +52,7 @@ class FittedParameter:
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Fit(Displayed):
+class Fit(Printable):
     """Parameters fitted to a table, their intervals, and the residuals.
 
     Attributes:

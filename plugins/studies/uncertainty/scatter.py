@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.cases.case import Case
-from quickreturn.cases.displayed import Cell, Displayed, Rows
 from quickreturn.cases.measures.catalogue import measure
+from quickreturn.cases.printable import Cell, Printable, Rows
 from quickreturn.cases.runs.endings import Ending
 from quickreturn.plugins.studies.uncertainty.chaos import DRAWN, HALF_WIDTH, SEED, Surrogate
 from quickreturn.plugins.studies.uncertainty.parameters import Distribution, Parameter
@@ -82,7 +82,7 @@ class Share:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Scatter(Displayed):
+class Scatter(Printable):
     """The measured points.
 
     Attributes:

@@ -139,7 +139,7 @@ def test_the_key_of_a_stored_job_has_what_it_uses_and_not_what_only_talks(name: 
     assert {f"quickreturn.{each}" for each in used} <= sources.keys()
     assert {"quickreturn.reference_model.model", "quickreturn.engines.own.reference", "quickreturn.cases.jobs.records"} <= sources.keys()
     assert not {f"quickreturn.{each}" for each in others} & sources.keys()
-    assert not {"quickreturn.cases.jobs.display", "quickreturn.engines.progress", "quickreturn.cases.displayed"} & sources.keys()
+    assert not {"quickreturn.cases.jobs.display", "quickreturn.engines.progress", "quickreturn.cases.printable"} & sources.keys()
 
 
 RUNNING = """

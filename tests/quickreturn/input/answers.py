@@ -34,8 +34,9 @@ def refused(answer: Answer, *words: str) -> None:
     assert answer.output == ""
     assert answer.errors.count("\n") == 1, answer.errors
     assert answer.errors.startswith("quickreturn: ")
+    assert "Traceback" not in answer.errors
     for word in words:
-        assert word in answer.errors
+        assert word in answer.errors.replace('\\"', '"')
 
 
 def variant(tmp_path: Path, line: str) -> None:

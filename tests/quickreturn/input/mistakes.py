@@ -1,7 +1,6 @@
 """Mistakes that people make in case files and on command lines, made on purpose: one small generator for each kind."""
 
 import random
-import re
 from collections.abc import Iterator
 from typing import NamedTuple
 
@@ -107,30 +106,6 @@ def wrong_keys(path: str) -> Iterator[Mistake]:
         yield Mistake(f"no {path}", text[:place] + text[place + len(line) :], (f": {path}: this key is missing",))
 
 
-#: What slips into a text.
-STRAY = "\"'=[]{}.,#\\\0\x1b\n\t-+eE0é٣\N{NO-BREAK SPACE}\N{GRINNING FACE}"
-
-
-def damaged(text: str, chance: random.Random) -> bytes:
-    """A text after one to three accidents."""
-    content = text
-    for _ in range(chance.randint(1, 3)):
-        place, lines = chance.randrange(len(content) + 1), content.split("\n")
-        line = chance.randrange(len(lines))
-        content = chance.choice([
-            content[:place] + content[place + 1 :],
-            content[:place] + chance.choice(STRAY) + content[place:],
-            content[:place],
-            content[:place] + content[place:].upper(),
-            "\n".join(lines[:line] + lines[line + 1 :]),
-            "\n".join([*lines[:line], lines[line], *lines[line:]]),
-            "\n".join(chance.sample(lines, len(lines))),
-            content.replace(chance.choice("=\"[]."), chance.choice("=\"[],:")),
-        ])  # fmt: skip
-    encoding = chance.choice(["utf-8"] * 8 + ["latin-1", "utf-16"])
-    return content.encode(encoding, errors="replace")
-
-
 def rewritten(chance: random.Random) -> str:
     """The scene as somebody else may have written it: the same values in another order, layout, notation and unit."""
     sections = scene()
@@ -157,24 +132,3 @@ def _same_quantity(quantity: str, chance: random.Random) -> str:
     number = chance.choice([number, shifted, shifted.upper(), f"{sign}{number}"])
     unit = chance.choice([unit, unit.replace("^", "**"), unit.replace("in", "inch"), f"{unit}*kg/kg"])
     return chance.choice([f'"{number} {unit}"', f"'{number} {unit}'", f'"""{number} {unit}"""'])
-
-
-def varied(chance: random.Random) -> str:
-    """The scene with other sensible values, sometimes without its optional parts, sometimes with a prescribed crank speed.
-
-    Values within 4 % keep d + LA (22 in) below L (25 in) and the gauges on the follower; the times stay whole multiples.
-    """
-    sections = scene()
-    for path in paths():
-        section, _, key = path.partition(".")
-        if section != "simulation":
-            numbers = re.split(r"([0-9.e-]+(?= ))", sections[section][key])
-            numbers[1::2] = [f"{float(number) * chance.uniform(0.96, 1.04):.17g}" for number in numbers[1::2]]
-            sections[section][key] = "".join(numbers)
-    for section in chance.sample(["tip", "slider"], chance.randint(0, 2)):
-        del sections[section]
-    if chance.random() < 0.3:
-        for key in ("torque", "damping", "initial_speed"):
-            del sections["crank"][key]
-        sections["crank"]["prescribed_speed"] = f'"{chance.uniform(-200.0, 200.0)} rpm"'
-    return written(sections)

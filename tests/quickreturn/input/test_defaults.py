@@ -25,27 +25,6 @@ def test_simulate_runs_reference_and_writes_nothing_but_the_store_unless_asked(c
     assert answer.output.splitlines()[-1] == "no trajectory is written; --output small.csv writes it"
 
 
-def test_simulate_without_output_says_so_in_json(call: Call) -> None:
-    answer = call("simulate", "small.toml", "--engine", "fake", "--set", "engine.step=0.1", "--json")
-    found = json.loads(answer.output)
-    assert (found["output"], found["rows"]) == (None, 101)
-    assert (answer.code, answer.errors) == (0, "")
-
-
-def test_the_output_that_is_named_for_several_can_be_given(call: Call, tmp_path: Path) -> None:
-    (tmp_path / "other.toml").write_text(SCENE.replace('"small"', '"other"'))
-    asked = ("simulate", "small.toml", "other.toml", "--engine", "fake", "--set", "engine.step=0.1")
-    assert call(*asked).output.endswith("no trajectory is written; --output {case}.csv writes them\n")
-    assert call(*asked, "--output", "{case}.csv").code == 0
-    assert {path.name for path in tmp_path.glob("*.csv")} == {"small.csv", "other.csv"}
-
-
-def test_what_a_failed_engine_computed_is_kept_only_if_asked(call: Call) -> None:
-    answer = call("simulate", "small.toml", "--engine", "fake", "--set", "engine.behaviour=fails")
-    assert answer.code == 3
-    assert answer.errors.endswith("the beam snapped; try another beam; 3 rows are kept only with --output\n")
-
-
 def test_modes_holds_the_crank_at_both_dead_centres_and_between(call: Call) -> None:
     found = json.loads(call("modes", "small.toml", "--json").output)
     assert [(each["engine"], round(each["crank_angle"], 9)) for each in found] == [

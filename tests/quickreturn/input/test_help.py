@@ -40,16 +40,10 @@ def test_every_help_text_consists_of_whole_sentences(call: Call, monkeypatch: py
         for text in texts:
             assert re.fullmatch(rf"[A-Z].*[^.]\.({DEFAULT})?", text), text
             assert "..." not in text, text
-
-
-def test_every_command_is_listed_with_the_first_sentence_of_its_help(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("COLUMNS", str(WIDTH))
-    listed = " ".join(call("--help").output.partition("Commands:\n")[2].split())
-    for name in commands():
-        told = " ".join(call(name, "--help").output.split("\n\n")[1].split())
-        sentence = re.split(r"(?<=\.)\s", told)[0]
-        assert sentence.endswith(".")
-        assert f"{name} {sentence}" in listed
+    assert "--quiet" in answer.output
+    if name:  # the list of commands has the first sentence of each
+        told = re.split(r"(?<=\.)\s", " ".join(paragraphs[0].split()))[0]
+        assert f"{name} {told}" in " ".join(call("--help").output.partition("Commands:\n")[2].split())
 
 
 def test_help_imports_no_command() -> None:

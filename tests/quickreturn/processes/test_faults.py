@@ -115,7 +115,7 @@ def test_what_the_machine_did_to_an_engine_is_not_kept(campaign: Campaign) -> No
 @pytest.mark.verify
 def test_a_report_names_them_too(place: Path, call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
     names = ("sound", "segfaults", "not-installed")
-    monkeypatch.setattr("quickreturn.engine_choice.MAIN", names)
+    monkeypatch.setattr("quickreturn.arguments.MAIN", names)
     code, output, errors = call("report", "small.toml")
     assert code == 3
     assert "1 case, 3 simulations: 1 settled, 2 did not complete" in output
@@ -153,7 +153,7 @@ def test_an_engine_that_is_not_installed_is_refused_by_name_and_passed_over_as_o
         assert "not-installed" in errors
         assert errors.endswith(f"{reason}\n")
     assert simulations(place) == []
-    monkeypatch.setattr("quickreturn.engine_choice.MAIN", ("sound", "not-installed"))
+    monkeypatch.setattr("quickreturn.arguments.MAIN", ("sound", "not-installed"))
     code, output, errors = call("run", "small.toml", "--json")
     assert code == 3
     assert [engine["status"] for engine in json.loads(output)["cases"][0]["engines"]] == ["settled", "unavailable"]

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from quickreturn.command_line import commands, main
+from quickreturn.command_line import main
 from tests.engines.faulty_engines import install_faulty_engines
 from tests.quickreturn.conftest import Call
 from tests.quickreturn.program import PROGRAM, started
@@ -78,11 +78,6 @@ def test_show_takes_patterns_and_tags(call: Call, monkeypatch: pytest.MonkeyPatc
         "whitworth",
     ]
     assert call("show", "other.toml", "small.toml").output.count("what follows") == 2
-
-
-@pytest.mark.parametrize("command", commands())
-def test_every_command_can_be_quiet(call: Call, command: str) -> None:
-    assert "--quiet" in call(command, "--help").output
 
 
 def test_the_version_is_told(call: Call) -> None:

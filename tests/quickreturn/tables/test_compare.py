@@ -3,7 +3,6 @@
 import json
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -14,6 +13,7 @@ from quickreturn.command_line import main
 from quickreturn.table_comparison import TableComparison
 from tests.engines.fake_package import install
 from tests.quickreturn.conftest import Call
+from tests.quickreturn.input.answers import refused
 
 
 @pytest.fixture(scope="module")
@@ -100,11 +100,7 @@ def test_bad_input(call: Call, file: Path, arguments: list[str], words: list[str
         Path(name).symlink_to(file)
     Path("bad.csv").write_text("time,tip_deflecton\n0,1\n")
     Path("titled.csv").write_text("Run 7\ntime,tip_deflection\n0,1\n")
-    answer: Any = call("compare", "thesis-24", *arguments)
-    assert (answer.code, answer.output) == (2, "")
-    assert answer.errors.count("\n") == 1
-    for word in words:
-        assert word in answer.errors
+    refused(call("compare", "thesis-24", *arguments), *words)
 
 
 @pytest.mark.verify

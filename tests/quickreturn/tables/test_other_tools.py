@@ -128,14 +128,6 @@ def test_the_heading_is_accepted_and_lines_are_readable(call: Call, case: str, t
     assert f"quickreturn compare {case} " in text
 
 
-@pytest.mark.parametrize(("arguments", "words"), [(["spin-up"], ["[crank]"]), (["thesis-24", "--json"], ["--for-other-tools", "--json"])])
-def test_bad_input(call: Call, arguments: list[str], words: list[str]) -> None:
-    answer = call("show", *arguments, "--for-other-tools")
-    assert (answer.code, answer.output) == (2, "")
-    for word in words:
-        assert word in answer.errors
-
-
 def test_a_table_of_another_program_is_compared_by_its_mapping(call: Call) -> None:
     call("simulate", "rigid", "--engine", "reference", "--duration", "1 s", "--output", "own.csv")
     heads, *rows = [line.split(",") for line in Path("own.csv").read_text().splitlines()]

@@ -1,7 +1,7 @@
-"""Queries of the command line to engines. A query that may load a library runs in a process of its own.
+"""Descriptions that engines give of themselves: methods, settings, models.
 
-If a library crashes, prints or blocks the interpreter, only its own answer is lost: Ctrl-C works at once, and standard output has only the
-command's own text. Results come back through a pipe and this process writes them, so that a killed worker leaves no incomplete file.
+One that may load a library is made in a process of its own. If the library crashes, prints or blocks the interpreter, only its own
+description is lost: Ctrl-C works at once, and standard output has only the command's own text.
 """
 
 import dataclasses
@@ -9,12 +9,12 @@ from collections.abc import Callable, Container, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from quickreturn.arguments import Listing
 from quickreturn.cases.jobs.display import answers
 from quickreturn.cases.jobs.fork_server import DESCRIBING
 from quickreturn.cases.jobs.in_process import done
 from quickreturn.cases.jobs.job import Job, Limits, Outcome, T
 from quickreturn.cases.jobs.processes import LocalProcesses
-from quickreturn.catalogue import Listing
 from quickreturn.engines.base import EngineFailure, ModelDescription, Refusal
 from quickreturn.engines.registry import UnknownEngine, engine, engine_names, own_engines, usable_engine
 from quickreturn.engines.scene import describe_scene
@@ -27,17 +27,17 @@ class EngineDied(EngineTrouble):
     """The process of an engine ended without an answer, or with an unexpected error; the text is one sentence."""
 
 
-def asked(jobs: Sequence[Job[T]], title: str, limits: Limits | None = None, quiet: bool = True) -> list[Outcome[T]]:
+def outcomes(jobs: Sequence[Job[T]], title: str, limits: Limits | None = None, quiet: bool = True) -> list[Outcome[T]]:
     """The outcome of each job; `limits` None: the default ones. Jobs preload `DESCRIBING` unless `get_ready` has chosen other modules."""
     return answers(LocalProcesses(limits=limits, preload=DESCRIBING, quiet=quiet), jobs, title)
 
 
-def asked_of_all(question: Callable[..., T], arguments: tuple[Any, ...], title: str, here: Container[str]) -> Iterator[Outcome[T]]:
-    """The answer of each engine to `question(name, *arguments)`, as it comes; engines in `here` load no library and answer here."""
-    jobs, elsewhere = [Job(name, question, (name, *arguments)) for name in engine_names()], None
+def by_each(describe: Callable[..., T], arguments: tuple[Any, ...], title: str, here: Container[str]) -> Iterator[Outcome[T]]:
+    """`describe(name, *arguments)` for each engine, as it comes; those of engines in `here`, which load no library, in this process."""
+    jobs, elsewhere = [Job(name, describe, (name, *arguments)) for name in engine_names()], None
     for job in jobs:
         if job.name not in here and elsewhere is None:
-            elsewhere = iter(asked([each for each in jobs if each.name not in here], title))
+            elsewhere = iter(outcomes([each for each in jobs if each.name not in here], title))
         yield done(job) if elsewhere is None or job.name in here else next(elsewhere)
 
 
@@ -64,7 +64,7 @@ class About:
     @property
     def estimate(self) -> str:
         """What its error estimate covers, in words."""
-        from quickreturn.reports.words import ESTIMATE  # with the library of cases, which a process that asks an engine does not need
+        from quickreturn.reports.words import ESTIMATE  # with the library of cases, which a process that describes an engine does not need
 
         if self.estimate_of is None:
             return "-"
@@ -80,18 +80,14 @@ def about(name: str) -> About:
     return About(name=name, method=chosen.method, version=chosen.version(), estimate_of=chosen.estimates, available=True, reason=None)
 
 
-def about_all() -> list[About]:
-    """The descriptions of all engines by themselves."""
-    return [
-        each.value or About(name=each.job.name, method="unknown", available=False, reason=f"could not be queried: it {each.failure}")
-        for each in asked_of_all(about, (), "engines", own_engines())
-    ]
-
-
 def list_engines() -> "Listing[About]":
     """All engines: name, version, what their error estimates cover, method, and whether they can be used on this machine or why not."""
+    described = [
+        each.value or About(name=each.job.name, method="unknown", available=False, reason=f"could not be queried: it {each.failure}")
+        for each in by_each(about, (), "engines", own_engines())
+    ]
     return Listing.of(
-        about_all(),
+        described,
         NAME=lambda each: each.name,
         VERSION=lambda each: each.version or "-",
         ESTIMATES=lambda each: each.estimate,

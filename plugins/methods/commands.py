@@ -1,14 +1,14 @@
-"""`quickreturn benchmark`: error against solve time over each engine's settings."""
+"""`quickreturn benchmark`: error against solve time over each engine's settings; and `advise`: which method, by the map of classes."""
 
-from collections.abc import Sequence
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, Final
 
 import click
 
 import quickreturn as qr
-from quickreturn.commands import console, options
-from quickreturn.commands.console import ExitCode
-from quickreturn.computing import Computing
+from quickreturn.commands import options
+from quickreturn.commands.console import Call, ExitCode, tell, tell_doubts
+from quickreturn.computing import HIGHEST, LOWEST, workshop
 from quickreturn.reports.output import print_json, print_table
 
 if TYPE_CHECKING:
@@ -20,32 +20,27 @@ _KNOWN: Final = ("engine", "settings", "status")
 _TIMES: Final = ("solve_seconds", "solve_seconds_median", "solve_seconds_largest", "repetitions", "setup_seconds", "estimate_seconds")
 _MEASURED: Final = ("degrees_of_freedom", "errors", *_TIMES)
 
+#: Fields of a trial in the document of `advise`.
+_ADVISED: Final = ("scene", "engine", "level", "status", "solve_seconds", "waited_seconds", "error", "remark")
 
-@click.command(name="benchmark")
-@options.cases
-@options.tag
-@options.engines_for(help="Engine to measure; may be given again. Default: the nine engines that the report compares.")
-@options.single(
-    "--repetitions",
-    metavar="N",
-    read=options.number(1, 100, 5, whole=True),
-    default="5",
-    show_default=True,
-    help="Repetitions at most, 1 to 100, interleaved.",
+
+@options.command(
+    options.cases,
+    options.tag,
+    options.engines_for(help="Engine to measure; may be given again. Default: the nine engines that the report compares."),
+    options.single(
+        "--repetitions",
+        metavar="N",
+        read=options.number(1, 100, 5, whole=True),
+        default="5",
+        show_default=True,
+        help="Repetitions at most, 1 to 100, interleaved.",
+    ),
+    options.case_assignments,
+    options.limited,
+    options.json,
 )
-@options.case_assignments
-@options.limited
-@options.json
-@options.computing
-def benchmark(
-    cases: Sequence[str],
-    tag: str | None,
-    engines: Sequence[str],
-    repetitions: int,
-    assignments: Sequence[str],
-    as_json: bool,
-    computing: Computing,
-) -> int:
+def benchmark(call: Call, repetitions: int) -> int:
     """Measure error and solve time of every engine over its ladder of settings, from the standard start of each CASE.
 
     Without a CASE it measures the scenes on which the report compares methods. The report shows a measurement only if it contains all nine
@@ -58,31 +53,31 @@ def benchmark(
     from quickreturn.plugins.methods.benchmark import SCENES, compiling, measure
     from quickreturn.plugins.methods.benchmark.scenes import ENGINES
 
-    loaded = options.load_all(cases, tag, options.read_overrides(assignments), otherwise=SCENES)
-    names = engines or ENGINES
-    options.refuse_missing(engines)
+    loaded = call.loaded(otherwise=SCENES)
+    names = call.engines or ENGINES
+    call.refuse_missing()
     _ = [case.mechanism for case in loaded]  # a scene without crank is refused before anything runs
-    workshop, tables = click.get_current_context().with_resource(computing.opened(loaded, names)), []
-    failed = False
-    if not cases and not tag:
-        compiling(workshop, names)  # for the report
-    for case in loaded:
-        try:
-            tables.append(measure(case, workshop, names, repetitions))
-        except qr.EngineFailure as failure:  # of the reference solution; the other cases have their own
-            console.tell(f"{case.name}: {failure}")
-            failed = True
-            continue
-        if not as_json:
-            _print(tables[-1])
-    if as_json:
-        print_json({"benchmarks": [_as_document(table) for table in tables]})
-    for table in tables:
+    measured, failed = [], False
+    with workshop(None, call.quiet, loaded, names) as opened:
+        if not call.cases and not call.tag:
+            compiling(opened, names)  # for the report
+        for case in loaded:
+            try:
+                measured.append(measure(case, opened, names, repetitions))
+            except qr.EngineFailure as failure:  # of the reference solution; the other cases have their own
+                tell(f"{case.name}: {failure}")
+                failed = True
+                continue
+            if not call.as_json:
+                _print(measured[-1])
+    if call.as_json:
+        print_json({"benchmarks": [_as_document(table) for table in measured]})
+    for table in measured:
         for name, reason in table.failures.items():
-            console.tell(f"{table.case}: engine {name} was left out: {reason}")
-    if failed or any(table.failures for table in tables):
+            tell(f"{table.case}: engine {name} was left out: {reason}")
+    if failed or any(table.failures for table in measured):
         return ExitCode.ENGINE_TROUBLE
-    return ExitCode.BAD_INPUT if console.call().lost else ExitCode.GOOD
+    return ExitCode.BAD_INPUT if call.lost else ExitCode.GOOD
 
 
 def _print(table: "Benchmark") -> None:
@@ -121,7 +116,27 @@ def _row(trial: "Trial", best: bool, settings: str) -> tuple[str, ...]:
     head = ("*" if best else "", trial.method, settings)
     if not trial.completed:
         return (*head, *[""] * 7, trial.status)
-    shown = [trial.error_of(column) for column in ("tip_deflection", "tip_acceleration", "strain", "slider_force")]
+    errors = [trial.error_of(column) for column in ("tip_deflection", "tip_acceleration", "strain", "slider_force")]
     times = (f"{trial.seconds:.4f}", f"{trial.solve_seconds_largest:.4f}")
     free = "-" if trial.degrees_of_freedom is None else str(trial.degrees_of_freedom)
-    return (*head, free, *times, *("-" if value is None else f"{value:.1e}" for value in shown), "")
+    return (*head, free, *times, *("-" if value is None else f"{value:.1e}" for value in errors), "")
+
+
+@options.command(
+    options.cases,
+    options.tag,
+    options.accuracy_of(default="0.01", show_default=True, help=f"Wanted relative error of the tip deflection, {HIGHEST:g} to {LOWEST:g}."),
+    options.case_assignments,
+    options.json,
+)
+def advise(call: Call) -> None:
+    """Say where CASE lies on the map of classes, and which methods were the fastest there to an error.
+
+    The map was recorded: one turn of the crank from the standard start, by every engine, in scenes that cover the dimensionless groups.
+    Nothing is simulated. The output names each quantity that lies outside the map. With several cases the JSON document is a list.
+    """
+    loaded = call.loaded()
+    found = [qr.advise(case, call.accuracy or 0.01) for case in loaded]
+    tell_doubts(loaded)
+    documents = [asdict(each) | {"reaches": [{key: getattr(trial, key) for key in _ADVISED} for trial in each.reaches]} for each in found]
+    call.show_each(documents, "\n\n".join(map(str, found)))

@@ -33,7 +33,7 @@ class Rows:
         return f"<table>{f'<thead><tr>{heads}</tr></thead>' if heads else ''}<tbody>{rows}</tbody></table>"
 
 
-class Displayed(ABC):
+class Printable(ABC):
     """Base class of objects that are displayed by their parts: lines of text, and rows."""
 
     @abstractmethod

@@ -5,14 +5,14 @@ from collections.abc import Iterator
 
 from quickreturn.cases.case import parse_case
 from quickreturn.cases.case_file import load_case
-from quickreturn.cases.displayed import Cell, Displayed, Rows
+from quickreturn.cases.printable import Cell, Printable, Rows
 from quickreturn.plugins.conform.bench import Check, Conformance
 from tests.cases.scene_texts import SCENE
 
 HOSTILE = "</td><script>alert('owned')</script> & \"<b>\""
 
 
-class Things(Displayed):
+class Things(Printable):
     def _parts(self) -> Iterator[Cell]:
         yield HOSTILE
         yield Rows([("length", "4", "in"), ("inner", Rows([("one", "1"), ("two", "22")], ("name", "x")), HOSTILE)], ("a", "b", "c"))
@@ -27,7 +27,7 @@ def texts_of(html: str) -> list[str]:
     return [text for text in root.itertext() if text]
 
 
-def words_of(thing: Displayed) -> list[str]:
+def words_of(thing: Printable) -> list[str]:
     return " ".join(texts_of(thing._repr_html_())).split()
 
 

@@ -1,24 +1,33 @@
-"""The list of cases, and cases by name, by pattern or as objects."""
+"""Arguments that public functions and commands share, checked before anything runs: cases, engines, settings, recorded tables."""
 
 import fnmatch
 import glob
 import os
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from quickreturn.cases.case import Case
 from quickreturn.cases.case_file import load_case, with_times
-from quickreturn.cases.displayed import Cell, Displayed, Rows
-from quickreturn.cases.errors import CaseError, as_written
+from quickreturn.cases.errors import CaseError, as_written, shortened
 from quickreturn.cases.library import CatalogueLine, case_names, catalogue
+from quickreturn.cases.printable import Cell, Printable, Rows
 from quickreturn.cases.text.document import check_mapping
+from quickreturn.engines.base import AnyEngine, Engine
+from quickreturn.engines.registry import MAIN, UnknownEngine, engine, is_foreign
+from quickreturn.engines.scene import check_scene
+from quickreturn.engines.settings import ANY_ENGINE, SettingError, as_texts
+from quickreturn.reference_model.mechanism import Scene
+
+if TYPE_CHECKING:
+    from quickreturn.cases.recorded import RecordedTable
 
 T = TypeVar("T")
 AnyCase = str | os.PathLike[str] | Case | CatalogueLine
+AnyEngineOrTable = str | os.PathLike[str] | AnyEngine
 
 
-class Listing(Displayed, tuple[T, ...]):
+class Listing(Printable, tuple[T, ...]):
     """A list that a terminal or notebook shows as a small table, one item to a row."""
 
     columns: Mapping[str, Callable[[T], str]]
@@ -109,3 +118,77 @@ def loaded(names: AnyCase | Iterable[AnyCase], load: Callable[[str], Case] = loa
 def several(given: Any) -> list[Any]:
     """One item or several, as a list."""
     return [given] if isinstance(given, (str, os.PathLike, Case, CatalogueLine)) or not isinstance(given, Iterable) else list(given)
+
+
+def engine_given(engine: AnyEngineOrTable) -> str | AnyEngine:
+    """The argument itself, a path as text. UnknownEngine: it is neither a name nor a path nor an engine."""
+    if isinstance(engine, os.PathLike):
+        return os.fspath(engine)
+    if isinstance(engine, (str, Engine)):
+        return engine
+    if isinstance(engine, type):
+        raise UnknownEngine(f"{engine.__name__}: this is a class; give an engine, {engine.__name__}()")
+    raise UnknownEngine(f'{as_written(engine)}: no engine; give a name, such as "reference", or an engine')
+
+
+def settings_of(settings: Mapping[str, Mapping[str, str]], names: Sequence[str]) -> dict[str, dict[str, str]]:
+    """Settings by engine: those for `ANY_ENGINE`, overridden by its own. SettingError: there are some for an engine that does not run."""
+    for name, texts in settings.items():
+        if name != ANY_ENGINE and name not in names:
+            key = next(iter(texts), "")
+            raise SettingError(f"{name}.{shortened(key)}: engine {name} does not run here; those that do are {', '.join(names)}")
+    return {name: {**settings.get(ANY_ENGINE, {}), **settings.get(name, {})} for name in names}
+
+
+def check(name: str, scene: Scene, settings: Mapping[str, str]) -> None:
+    """Check an engine before anything runs. Raises UnknownEngine, or Refusal or SettingError of one of this project's engines."""
+    if is_foreign(name):  # it would load its library here
+        return
+    chosen = engine(name)
+    chosen.settings_type().with_texts(dict(settings))
+    check_scene(chosen, scene)
+
+
+def check_settings(cases: Sequence[Case], settings: Mapping[str, Mapping[str, str]]) -> None:
+    """Check settings before anything runs. SettingError: an engine does not have a setting, or does not accept its value."""
+    for name, texts in settings.items():
+        for case in cases if texts else ():
+            chosen = engine(name)
+            try:
+                chosen.settings_for(chosen.default_accuracy, case.mechanism).with_texts(dict(texts))
+            except SettingError as error:  # several engines may share the settings, and one of them may lack one
+                raise SettingError(f"{error} (engine {name})" if len(settings) > 1 else str(error)) from error
+
+
+def prepared(
+    cases: Sequence[Case], engines: AnyEngineOrTable | Iterable[AnyEngineOrTable], settings: Mapping[str, Mapping[str, str]]
+) -> "tuple[list[str], dict[str, dict[str, str]], dict[str, list[RecordedTable]]]":
+    """Names of engines, settings of each as texts, and recorded tables by case, all checked.
+
+    Args:
+        cases: the cases on which the engines run.
+        engines: with paths of recorded tables among them; the four main engines where no engine is among them.
+        settings: see `settings_of`.
+
+    Raises:
+        UnknownEngine: there is no engine of this name, or another process could not find it.
+        SettingError, CaseError: an invalid setting or table, or a case without a cycle, such as a follower alone.
+    """
+    from quickreturn.cases.recorded import is_table, tables_of  # a simulation needs none of it
+
+    _ = [case.mechanism for case in cases]  # raises CaseError for a follower alone
+    given = [engine_given(one) for one in several(engines)]
+    paths = list(dict.fromkeys(one for one in given if isinstance(one, str) and is_table(one)))
+    names = list(dict.fromkeys(one.name if isinstance(one, Engine) else one for one in given if one not in paths) or MAIN)
+    for name in names:
+        engine(name)
+    texts = settings_of(settings, names)
+    check_settings(cases, texts)
+    return names, texts, tables_of(paths, [case.name for case in cases])
+
+
+def given_settings(settings: Mapping[str, Mapping[str, Any]] | None) -> dict[str, dict[str, str]]:
+    """Settings by engine, as texts. SettingError: `settings` is not such a dictionary."""
+    if not isinstance(settings or {}, Mapping):
+        raise SettingError(f'settings: {settings!r} is no dictionary by engine, such as {{"mujoco": {{"links": 16}}}}')
+    return {name: as_texts(values, f'settings["{name}"]') for name, values in (settings or {}).items()}

@@ -1,30 +1,26 @@
-"""Answers of engines for the commands that show one motion: trajectories for `simulate`, `plot` and `animate`, frequencies for `modes`."""
+"""Trajectories for `simulate`, `plot` and `animate`, and natural frequencies for `modes`, computed in processes of their own."""
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any, Final
 
-import click
-
+from quickreturn.arguments import check, settings_of
 from quickreturn.cases.case import Case
 from quickreturn.cases.jobs import fork_server
 from quickreturn.cases.jobs.job import Job, Outcome, T
 from quickreturn.cases.jobs.processes import LocalProcesses
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import outcomes_of
+from quickreturn.cases.printable import Rows
 from quickreturn.cases.solving import Answer, TrajectoryRequest, frequencies_job
-from quickreturn.commands import console, options
-from quickreturn.computing import Computing
-from quickreturn.engine_choice import check, settings_of
+from quickreturn.commands.console import Call, tell, tell_doubts, write
+from quickreturn.descriptions import EngineDied, value_of
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.registry import is_foreign
 from quickreturn.engines.trajectory import Trajectory
-from quickreturn.questions import EngineDied, value_of
 from quickreturn.reference_model.errors import ToldError
-from quickreturn.reports.output import print_table, write_file
 from quickreturn.reports.results.loads import loads_document
 from quickreturn.reports.words import within_turn
 from quickreturn.solution import Solution, as_csv, opened_store, request_of
@@ -60,24 +56,16 @@ NOTHING: Final[dict[str, Any]] = {
 }
 
 
-def solved(
-    cases: Sequence[Case],
-    engines: Sequence[str],
-    settings: Mapping[str, Mapping[str, str]],
-    accuracy: float | None,
-    computing: Computing,
-    estimate: bool = True,
-) -> list[tuple[Case, str, Outcome[Answer], Found]]:
+def solved(call: Call, cases: Sequence[Case], *, estimate: bool = True) -> list[tuple[Case, str, Outcome[Answer], Found]]:
     """Each case and engine with the outcome of its job and the solution, after all checks. Raises as `check`."""
-    texts = settings_of(settings, engines)
-    pairs = list(itertools.product(cases, engines))
+    texts = settings_of(call.settings, call.engines)
+    pairs = list(itertools.product(cases, call.engines))
     for case, name in pairs:
         check(name, case.scene, texts[name])
-    options.tell_doubts(cases)
-    seconds = computing.limits.seconds if computing.limits else None
-    requests = [request_of(case, name, texts[name], accuracy, estimate, seconds) for case, name in pairs]
+    tell_doubts(cases)
+    requests = [request_of(case, name, texts[name], call.accuracy, estimate, call.limits.seconds) for case, name in pairs]
     jobs = [request.job(f"{case.name} {name}") for (case, name), request in zip(pairs, requests, strict=True)]
-    outcomes, store = _answered(jobs, "simulating", computing)
+    outcomes, store = _outcomes(call, jobs, "simulating")
 
     def found(case: Case, request: TrajectoryRequest, outcome: Outcome[Answer]) -> Found:
         try:
@@ -88,20 +76,18 @@ def solved(
     return [(*pair, outcome, found(pair[0], request, outcome)) for pair, request, outcome in zip(pairs, requests, outcomes, strict=True)]
 
 
-def trajectories(
-    cases: Sequence[Case], engines: Sequence[str], settings: Mapping[str, Mapping[str, str]], accuracy: float | None, computing: Computing
-) -> dict[tuple[str, str], Trajectory]:
+def trajectories(call: Call, cases: Sequence[Case]) -> dict[tuple[str, str], Trajectory]:
     """Trajectories by case and engine; a message names each missed accuracy.
 
     Raises:
         Refusal, SettingError, UnknownEngine, EngineFailure, EngineDied: an engine cannot simulate a case, or failed.
     """
     by_name = {}
-    for case, name, _, found in solved(cases, engines, settings, accuracy, computing):
+    for case, name, _, found in solved(call, cases):
         if isinstance(found, ToldError):
             raise found
         if not found.reached:
-            console.tell(f"{case.name}: engine {name}: {found.remark}")
+            tell(f"{case.name}: engine {name}: {found.remark}")
         by_name[case.name, name] = found.trajectory
     return by_name
 
@@ -116,8 +102,7 @@ def written(outcome: Outcome[Answer], found: Found, path: str | None) -> dict[st
     known: dict[str, Any] = {"version": value_of(outcome)[0], "stored": outcome.stored}
     trajectory = found.partial if isinstance(found, EngineFailure) else found.trajectory
     if trajectory is not None:
-        if path is not None:
-            write_file(Path(path), as_csv(trajectory))
+        write(path, lambda ending: as_csv(trajectory))
         known |= {"rows": len(trajectory), "solve_seconds": trajectory.solve_seconds, "statistics": dict(trajectory.statistics)}
     if isinstance(found, EngineFailure):
         failure = {"time": found.time, "cause": found.cause, "advice": found.advice}
@@ -131,26 +116,19 @@ def written(outcome: Outcome[Answer], found: Found, path: str | None) -> dict[st
     return known | same | more
 
 
-def frequencies(
-    cases: Sequence[Case],
-    engines: Sequence[str],
-    settings: Mapping[str, Mapping[str, str]],
-    angles: Sequence[float],
-    count: int,
-    computing: Computing,
-) -> list[list[dict[str, Any]]]:
+def frequencies(call: Call, cases: Sequence[Case], angles: Sequence[float], count: int) -> list[list[dict[str, Any]]]:
     """For each case and engine a document for each angle (rad), after all checks.
 
     Raises as `check`, and EngineDied if an engine failed.
     """
-    texts = settings_of(settings, engines)
-    asked = list(itertools.product(cases, engines))
-    for case, name in asked:
+    texts = settings_of(call.settings, call.engines)
+    pairs = list(itertools.product(cases, call.engines))
+    for case, name in pairs:
         check(name, case.mechanism, texts[name])
-    options.tell_doubts(cases)
-    jobs = [frequencies_job(f"{case.name} {name}", case.mechanism, name, angles, count, texts[name]) for case, name in asked]
+    tell_doubts(cases)
+    jobs = [frequencies_job(f"{case.name} {name}", case.mechanism, name, angles, count, texts[name]) for case, name in pairs]
     rows = []
-    for (case, name), outcome in zip(asked, _answered(jobs, "natural frequencies", computing)[0], strict=True):
+    for (case, name), outcome in zip(pairs, _outcomes(call, jobs, "natural frequencies")[0], strict=True):
         try:
             each = value_of(outcome)
         except EngineFailure as failure:  # its own text names an instant, but there is none here
@@ -160,33 +138,31 @@ def frequencies(
     return rows
 
 
-def print_frequencies(angled: list[dict[str, Any]]) -> None:
+def frequency_lines(angled: list[dict[str, Any]]) -> list[str]:
     """One angle: a line for each mode; several: a line for each angle."""
     degrees = [f"{within_turn(math.degrees(each['crank_angle'])):g}" for each in angled]
     first = angled[0]
-    if len(angled) == 1:
-        click.echo(f"{first['case']}, crank at {degrees[0]} deg, {first['engine']} ({first['version']})")
-        if first["frequencies"]:
-            print_table([(str(number), f"{frequency:.6g} Hz") for number, frequency in enumerate(first["frequencies"], 1)])
-    else:
-        click.echo(f"{first['case']}, {first['engine']} ({first['version']}): natural frequencies in Hz")
-        most = max(len(each["frequencies"]) for each in angled)
-        rows = [[angle, *(f"{value:.6g}" for value in each["frequencies"])] for angle, each in zip(degrees, angled, strict=True)]
-        print_table([row + ["-"] * (most + 1 - len(row)) for row in rows], ["crank deg", *map(str, range(1, most + 1))])
     if not any(each["frequencies"] for each in angled):
-        click.echo("no natural frequency: nothing in this model can vibrate with the crank held")
+        rows, last = [], ["no natural frequency: nothing in this model can vibrate with the crank held"]
+    else:
+        rows, last = [[str(number), f"{value:.6g} Hz"] for number, value in enumerate(first["frequencies"], 1)], []
+    if len(angled) == 1:
+        head = f"{first['case']}, crank at {degrees[0]} deg, {first['engine']} ({first['version']})"
+        return [head, *([Rows(rows).text()] if rows else []), *last]
+    most = max(len(each["frequencies"]) for each in angled)
+    rows = [[angle, *(f"{value:.6g}" for value in each["frequencies"])] for angle, each in zip(degrees, angled, strict=True)]
+    table = Rows([row + ["-"] * (most + 1 - len(row)) for row in rows], ["crank deg", *map(str, range(1, most + 1))])
+    return [f"{first['case']}, {first['engine']} ({first['version']}): natural frequencies in Hz", table.text(), *last]
 
 
-def _answered(jobs: Sequence[Job[T]], title: str, computing: Computing) -> tuple[list[Outcome[T]], Store | None]:
+def _outcomes(call: Call, jobs: Sequence[Job[T]], title: str) -> tuple[list[Outcome[T]], Store | None]:
     """The outcomes of jobs, and the store, if there is one; a message names stored results."""
     # of a foreign engine the version and code, which the key contains, would load its library here
     jobs = [replace(job, lasts=None) if any(map(is_foreign, job.engines)) else job for job in jobs]
-    store = opened_store(console.tell) if computing.store and any(job.lasts for job in jobs) else None
-    console.keep_in(store)
-    executor = LocalProcesses(limits=computing.limits, preload=fork_server.COMPUTING, quiet=computing.quiet)
+    store = None if call.no_store or not any(job.lasts for job in jobs) else opened_store(tell)
+    call.keep_in(store)
+    executor = LocalProcesses(limits=call.limits, preload=fork_server.COMPUTING, quiet=call.quiet)
     outcomes = outcomes_of(jobs, title, executor, store)
     if store is not None and (known := [outcome.job.name for outcome in outcomes if outcome.stored]):
-        console.begin(f"{', '.join(known)}: computed before and kept in {store.folder}; {options.NO_STORE} computes anew")
-    if all(outcome.stored for outcome in outcomes):
-        fork_server.not_needed()
+        call.begin(f"{', '.join(known)}: computed before and kept in {store.folder}; --no-store computes anew")
     return outcomes, store

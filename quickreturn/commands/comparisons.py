@@ -1,0 +1,229 @@
+"""`quickreturn run`, `compare`, `explain`, `report` and `check`: settled engines and recorded tables, compared by what they claim."""
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import click
+
+from quickreturn.cases.errors import as_written
+from quickreturn.cases.runs.endings import Ending
+from quickreturn.commands import options, tables
+from quickreturn.commands.console import Call, ExitCode, check_file, tell, tell_slow, write
+from quickreturn.pack.check import LARGEST, BadInput, judged
+from quickreturn.reports.output import print_json
+
+if TYPE_CHECKING:
+    from quickreturn.cases.runs.comparison import CaseResult
+
+PICTURES: Final = (".png", ".svg", ".pdf")
+#: Endings of files. With such a name a user expects a page, not a folder.
+_OF_FILES: Final = (".html", ".htm", ".csv", ".pdf", ".md", ".json", ".zip", ".parquet")
+
+
+@options.command(options.cases, options.tag, options.main_engines, options.accuracy, options.assignments, options.of_workshop, options.json)
+def run(call: Call) -> int:
+    """Bring engines to their steady state on each CASE, measure and compare them.
+
+    Two engines may differ by the sum of their claims: their own error estimates and the uncertainty of the measures. Exit code 1: some
+    differ by more. Exit code 2: an engine asked for by name is not installed or cannot model a scene. Exit code 3: an engine failed, was
+    stopped at a limit, did not settle or did not reach the accuracy asked, or a default engine is not installed. The other engines go on.
+    Each result is stored at once: an interrupted run continues.
+    """
+    loaded = call.loaded()
+    call.refuse_missing()
+    import quickreturn as qr
+    from quickreturn.cases.printable import in_lines
+    from quickreturn.verdict_text import as_document, parts_of
+
+    tell_slow(loaded)
+    found = qr.run(loaded, call.engines, accuracy=call.accuracy, settings=call.settings)
+    if call.as_json:
+        print_json(as_document(found.results, found.notices))
+        return _exit_code(call, found.results)
+    for result in found.results:
+        if not all(each.status == Ending.REFUSED for each in result.runs.values()):  # otherwise there is nothing to show
+            click.echo(in_lines(parts_of(result)))
+    return _exit_code(call, found.results)
+
+
+@options.command(
+    options.case,
+    click.argument("files", metavar="FILE...", nargs=-1, required=True),
+    options.engines_for(help="Engine to compare with; may be given again. Default: the four main engines."),
+    options.accuracy,
+    options.assignments,
+    tables.options,
+    click.option(
+        "--write-mapping",
+        "writes_mapping",
+        is_flag=True,
+        help="Write what each heading is to a file beside FILE, for you to edit; it is read with FILE from then on.",
+    ),
+    options.output("File for a picture of tables and engines: .png, .svg or .pdf.", "PICTURE", required=False),
+    options.of_workshop,
+    options.json,
+)
+def compare(call: Call, files: Sequence[str], writes_mapping: bool, **reading: Any) -> int:
+    """Measure recorded tables of CASE and compare them with engines.
+
+    A FILE is a table with `time` and any columns of a trajectory, units in the headings ("tip_deflection [mm]"; none: SI), from another
+    tool, an earlier version or a test rig. Separator, decimal sign, comments and a row of units are recognised; --separator, --decimal and
+    --skip say what is not, --column names the columns of other programs. `quickreturn show CASE --for-other-tools` says what to record. A
+    table that begins in the standard start and has not settled is compared with the engines in the same turn of the crank, any other table
+    in the steady state.
+
+    The only claim for a table is the uncertainty of its measures. Exit code 1: it departs from an engine by more than this uncertainty and
+    the engine's own estimate. Exit codes 2 and 3 are those of `run`.
+    """
+    loaded = call.case()
+    call.refuse_missing()
+    if writes_mapping:
+        return tables.write_mapping(files, reading)
+    check_file(call.output, loaded.source, PICTURES)
+    from quickreturn.cases.printable import in_lines
+    from quickreturn.table_comparison import compared, parts_of_tables, tables_in
+    from quickreturn.verdict_text import as_document
+
+    results = compared(loaded, tables.read(files, reading), call.engines, accuracy=call.accuracy, settings=call.settings)
+    tables_of = [tables_in(result) for result in results]
+    if call.as_json:
+        document = as_document(results, [] if call.store is None else call.store.notices)
+        for entry, each in zip(document["cases"], tables_of, strict=True):
+            for key, name in (("differences", "differences"), ("places", "places"), ("slips", "explanations")):
+                entry[key] = {table.name: getattr(table, name) for table in each}
+        print_json(document)
+    else:
+        click.echo("\n".join(in_lines(parts_of_tables(result, each)) for result, each in zip(results, tables_of, strict=True)))
+    if call.output:
+        from quickreturn.reports.drawing.cycle import drawn
+
+        write(call.output, lambda ending: drawn(results, ending))
+    return _exit_code(call, results)
+
+
+def _exit_code(call: Call, results: "Sequence[CaseResult]") -> int:
+    """The exit code; runs without a result are named on standard error."""
+    results = [result.with_tables for result in results]
+    for result in results:
+        for each in result.failures:
+            tell(f"{result.case.name}: {'table' if each.recording else 'engine'} {each.engine} {each.status}: {each.remark}")
+    by_name = [(result.case.name, each) for result in results for each in result.runs.values() if call.engines]
+    refused = [(name, each) for name, each in by_name if each.status == Ending.REFUSED]
+    for name, each in refused:
+        tell(f"{name}: engine {each.engine}: {each.remark}")
+    if refused:
+        return ExitCode.BAD_INPUT
+    if any(result.failures for result in results):
+        return ExitCode.ENGINE_TROUBLE
+    if call.lost:
+        return ExitCode.BAD_INPUT
+    return ExitCode.CLAIMS_BROKEN if any(result.missed for result in results) else ExitCode.GOOD
+
+
+@options.command(
+    options.case,
+    options.shared(
+        "--engine",
+        "engines",
+        metavar="E",
+        default="reference",
+        read=lambda _, name: [name],
+        show_default=True,
+        help="Engine, see `quickreturn engines`.",
+    ),
+    options.accuracy,
+    options.assignments,
+    options.of_workshop,
+    options.json,
+)
+def explain(call: Call) -> int:
+    """Say in about ten sentences what happens in a turn of CASE in its steady state, with numbers.
+
+    Each sentence is read off the settled motion that `run` stores; none has a number whose claimed error is as large as itself. The JSON
+    document is a list of objects with topic, sentence and numbers in SI. Exit code 3: the engine has no settled turn, or misses its
+    accuracy.
+    """
+    import quickreturn as qr
+    from quickreturn.arguments import settings_of
+
+    loaded, (engine,) = call.case(), call.engines
+    call.refuse_missing()
+    tell_slow([loaded])
+    found = qr.explain(loaded, engine, accuracy=call.accuracy, settings=settings_of(call.settings, [engine])[engine])
+    call.show(found.statements, repr(found))
+    if found.run.ending.delivered:
+        return ExitCode.GOOD
+    tell(f"{loaded.name}: engine {engine} {found.run.status}: {found.run.remark}")
+    return ExitCode.ENGINE_TROUBLE
+
+
+def _folder(option: str, text: str) -> str:
+    """The path as given. UsageError: it is empty, or it looks like that of a file and no such folder exists."""
+    if not text.strip() or (text.lower().endswith(_OF_FILES) and not os.path.isdir(text)):
+        raise click.UsageError(f"{option} {as_written(text)}: give a folder, the page in it is index.html")
+    return text
+
+
+@options.command(
+    options.cases,
+    options.tag,
+    options.main_engines,
+    options.accuracy,
+    options.engine_assignments,
+    options.output("Folder of the page and its tables.", "DIR", required=False, default="reports/output", show_default=True, read=_folder),
+    options.of_workshop,
+)
+def report(call: Call) -> int:
+    """Write the report on each CASE; without one, on the 24 runs of the thesis.
+
+    A slow engine is quicker with coarser settings (--set my-engine.links=8) or to a lower accuracy (--accuracy 0.05).
+
+    Exit code 0: the page is written, and every engine completed and reached its accuracy; the page shows where engines disagree. Exit code
+    3: an engine failed, was stopped at a limit, did not settle or missed its accuracy, or a default engine is not installed; the page is
+    still written and shows it. Each result is stored at once: an interrupted report continues where it stopped.
+    """
+    loaded = call.loaded(otherwise=("thesis-*",))
+    call.refuse_missing()
+    from quickreturn.cross_validation import written_report
+
+    tell_slow(loaded)
+    written = written_report(loaded, str(call.output), call.engines, accuracy=call.accuracy, settings=call.settings)
+    click.echo(written.summary)
+    for kind, runs in (("engine", (*written.incomplete, *written.inaccurate)), ("table", written.unusable)):
+        for case, each in runs:
+            tell(f"{case}: {kind} {each.engine} {each.status}: {each.remark}")
+    if written.failed:
+        return ExitCode.ENGINE_TROUBLE
+    return ExitCode.BAD_INPUT if call.lost else ExitCode.GOOD
+
+
+@options.command(
+    click.argument("problem", metavar="PROBLEM"),
+    click.argument("file", metavar="FILE"),
+    options.single(
+        "--share",
+        metavar="REL",
+        read=options.number(0.0, LARGEST, 1e-3),
+        default="0",
+        show_default=True,
+        help="Part of each signal's largest value that is added to its bound.",
+    ),
+    options.json,
+)
+def check(call: Call, problem: str, file: str, share: float) -> int:
+    """Judge a table by the reference results of PROBLEM.
+
+    A PROBLEM is a folder of the pack, such as sag or thesis-24; its problem.md says what to compute. FILE is a CSV table with `time` and
+    names of signals in its first line, in SI units. Each signal is within its bound, outside, beyond the horizon or missing.
+
+    Exit code 1: a signal is outside.
+    """
+    try:
+        verdicts = judged(problem, Path(file), share)
+    except BadInput as wrong:
+        raise click.ClickException(str(wrong)) from None
+    document = {"problem": problem, "signals": [each._asdict() for each in verdicts]}
+    call.show(document, "\n".join(f"{each.signal:18} {each.status:18} {each.told}".rstrip() for each in verdicts))
+    return ExitCode.CLAIMS_BROKEN if any(each.status == "outside" for each in verdicts) else ExitCode.GOOD
