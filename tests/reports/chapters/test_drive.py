@@ -10,7 +10,6 @@ import pytest
 from quickreturn.cases.case_file import load_case
 from quickreturn.cases.measures.catalogue import MEASURES, numbers
 from quickreturn.cases.measures.number import Number
-from quickreturn.cases.printable import in_lines
 from quickreturn.cases.runs.comparison import CaseResult
 from quickreturn.reports.chapters.drive import POINTS, finding
 from quickreturn.reports.output import plain as as_plain
