@@ -21,10 +21,10 @@ from quickreturn.plugins.methods.trials.methods import methods
 from quickreturn.plugins.methods.trials.trial import Trial, run_of, trial_of
 
 
-def coarse(workshop: Workshop) -> list[Trial]:
+def rows(workshop: Workshop) -> dict[str, list[Trial]]:
     """The trials that the workshop has or computes."""
     jobs = [Job("coarse", trials, ("exudyn",), kind="coarse", engines=("exudyn",))]
-    return [trial for outcome in workshop.outcomes(jobs, "coarse settings") for trial in outcome.value or ()]
+    return {"coarse": [trial for outcome in workshop.outcomes(jobs, "coarse settings") for trial in outcome.value or ()]}
 
 
 def trials(name: str) -> list[Trial]:
@@ -66,16 +66,11 @@ def run(package: Path, *arguments: str) -> str:
 @pytest.mark.verify
 def test_a_study_needs_a_module_and_its_name_in_one_file(tmp_path: Path) -> None:
     package = whole_package(tmp_path / "copy")
-    (package / "cases/coarse.py").write_text(MODULE)
-    studies = package / "reports/long_studies/__init__.py"
-    text = studies.read_text()
-    for line, added in (
-        ('    "classes": _classes,\n', '    "coarse": lambda workshop: {"coarse": coarse(workshop)},\n'),
-        ("from quickreturn.plugins.methods.classes.map import Map\n", "from quickreturn.cases.coarse import coarse\n"),
-    ):
-        assert text.count(line) == 1
-        text = text.replace(line, line + added)
-    studies.write_text(text)
+    (package / "plugins/methods/coarse.py").write_text(MODULE)
+    plugin = package / "plugins/methods/plugin.py"
+    line = '        "classes": f"{_HERE}.records:class_rows",\n'
+    assert plugin.read_text().count(line) == 1
+    plugin.write_text(plugin.read_text().replace(line, f'{line}        "coarse": f"{{_HERE}}.coarse:rows",\n'))
     others = (package / "reports/long_studies/classes.csv").read_bytes()
 
     assert run(package, "-c", RECORD) == "coarse (2 rows of coarse)\n"
