@@ -27,8 +27,7 @@ from quickreturn.cases.jobs.job import ExecutorError, Job, Limits
 from quickreturn.cases.jobs.processes import LocalProcesses
 from quickreturn.cases.jobs.store import Store
 from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.command_line import _told_of
-from quickreturn.commands.console import ExitCode
+from quickreturn.reference_model.errors import EngineTrouble, ToldError
 from tests.package_copy import copied_package
 
 if TYPE_CHECKING:
@@ -192,7 +191,8 @@ def test_a_bad_address_is_bad_input(address: str, reason: str, monkeypatch: pyte
     with pytest.raises(ExecutorError) as raised:
         cluster(address)
     assert str(raised.value) == f"cluster {address}: no scheduler answers there ({reason}); start one with `dask scheduler`"
-    assert _told_of(raised.value) == ExitCode.BAD_INPUT
+    assert isinstance(raised.value, ToldError)  # which a command answers with exit code 2, unless it is the engine's trouble
+    assert not isinstance(raised.value, EngineTrouble)
     assert capsys.readouterr().err == f"quickreturn: {raised.value}\n"
 
 
