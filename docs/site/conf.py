@@ -53,7 +53,7 @@ nitpicky = True
 # Signatures name types of other packages, and internals of this one that have no entry on the API page: neither is a broken reference.
 nitpick_ignore_regex = [
     ("py:.*", r"(casadi|collections|matplotlib|numpy|os|pandas|pathlib|pd|types|xarray|xr)\..*"),
-    ("py:.*", r"quickreturn\.(cases|catalogue|derive|engines|plugins|questions|reference_model|reports)\..*"),
+    ("py:.*", r"quickreturn\.(arguments|cases|derive|descriptions|engines|plugins|reference_model|reports)\..*"),
     ("py:.*", "(About|AnyEngine|AnyEngineOrTable|Document|Limits|Workshop)"),
 ]
 
