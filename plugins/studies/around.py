@@ -197,10 +197,11 @@ def around_of(content: Content) -> list[Around]:
 
 def nearness(content: Content) -> dict[str, str]:
     """Case -> a sentence on how near a resonance is, by its curve, for cases that have one."""
-    return {each.case.name: _near(each) for each in content.of(around_of) if each.curve}
+    return {each.case.name: near_words(each) for each in content.of(around_of) if each.curve}
 
 
-def _near(around: Around) -> str:
+def near_words(around: Around) -> str:
+    """How near a resonance is, by the curve of a machine that has one."""
     begin = "has its" if around.peak else "has"
     return f"The resonance curve {'; '.join(filter(None, (f'{begin} {around.nearest_peak}', around.without_effect)))}."
 

@@ -16,7 +16,7 @@ from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.measures.catalogue import MEASURES
 from quickreturn.cases.shown import METRIC
 from quickreturn.engines.base import EngineFailure
-from quickreturn.plugins.studies.around import Around, _near, around_of, curves_around, motion_sentences
+from quickreturn.plugins.studies.around import Around, around_of, curves_around, motion_sentences, near_words
 from quickreturn.plugins.studies.chapters.resonance import finding, plot
 from quickreturn.plugins.studies.resonance_curve.search import USUAL, job_around
 from quickreturn.plugins.studies.tests.made_up_resonance import FOLD, OWN, PEAK, RPM, height, made_up_around, speed
@@ -100,7 +100,7 @@ def test_the_chapter_has_the_motions_and_the_heading_what_is_nearest(around: Aro
 def test_a_harmonic_without_a_peak_is_no_alarm(around: Around) -> None:
     bare = Around(around.case, dataclasses.replace(around.solved_curve, peaks=()))
     assert "the 9th harmonic" in plain(bare.without_effect)
-    assert "no peak between 102 rpm and 138 rpm" in plain(_near(bare))
+    assert "no peak between 102 rpm and 138 rpm" in plain(near_words(bare))
     of_it = dataclasses.replace(around.solved_curve.peaks[0], order=9)
     assert Around(around.case, dataclasses.replace(around.solved_curve, peaks=(of_it,))).without_effect == ""
     nothing = dataclasses.replace(around, curve=dataclasses.replace(around.solved_curve, peaks=(), special=()))
