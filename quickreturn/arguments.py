@@ -7,12 +7,12 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from quickreturn.cases.case import Case
-from quickreturn.cases.case_file import load_case, with_times
-from quickreturn.cases.errors import CaseError, as_written, shortened
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.files.case_file import load_case, with_times
+from quickreturn.cases.files.document import check_mapping
+from quickreturn.cases.files.errors import CaseError, as_written, shortened
+from quickreturn.cases.files.printable import Cell, Printable, Rows
 from quickreturn.cases.library import CatalogueLine, case_names, catalogue
-from quickreturn.cases.printable import Cell, Printable, Rows
-from quickreturn.cases.text.document import check_mapping
 from quickreturn.engines.base import AnyEngine, Engine
 from quickreturn.engines.registry import MAIN, UnknownEngine, engine, is_foreign
 from quickreturn.engines.scene import check_scene
@@ -20,7 +20,7 @@ from quickreturn.engines.settings import ANY_ENGINE, SettingError, as_texts
 from quickreturn.reference_model.mechanism import Scene
 
 if TYPE_CHECKING:
-    from quickreturn.cases.recorded import RecordedTable
+    from quickreturn.cases.files.recorded import RecordedTable
 
 T = TypeVar("T")
 AnyCase = str | os.PathLike[str] | Case | CatalogueLine
@@ -174,7 +174,7 @@ def prepared(
         UnknownEngine: there is no engine of this name, or another process could not find it.
         SettingError, CaseError: an invalid setting or table, or a case without a cycle, such as a follower alone.
     """
-    from quickreturn.cases.recorded import is_table, tables_of  # a simulation needs none of it
+    from quickreturn.cases.files.recorded import is_table, tables_of  # a simulation needs none of it
 
     _ = [case.mechanism for case in cases]  # raises CaseError for a follower alone
     given = [engine_given(one) for one in several(engines)]

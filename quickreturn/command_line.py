@@ -20,14 +20,14 @@ from typing import TYPE_CHECKING, Final
 import click
 from click.shell_completion import CompletionItem, shell_complete
 
-from quickreturn.cases.errors import Argument, CaseError, as_written, shortened
+from quickreturn.cases.files.errors import Argument, CaseError, as_written, shortened
 from quickreturn.commands.console import Call, ExitCode, tell
 from quickreturn.engines.plugins import entries as of_plugins
 from quickreturn.engines.plugins import found
 from quickreturn.reference_model.errors import EngineTrouble, ToldError
 
 if TYPE_CHECKING:
-    from quickreturn.cases.jobs.store import Store
+    from quickreturn.cases.running.store import Store
 
 #: The commands in the order of `--help`: module of `quickreturn.commands`, and first sentence of the help. Those of plugins follow.
 COMMANDS: Final = {

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from numbers import Real
 from typing import TYPE_CHECKING, Final
 
-from quickreturn.cases.jobs.job import ExecutorError, Limits
+from quickreturn.cases.running.job import ExecutorError, Limits
 
 if TYPE_CHECKING:
-    from quickreturn.cases.case import Case
-    from quickreturn.cases.jobs.workshop import Workshop
+    from quickreturn.cases.files.case import Case
+    from quickreturn.cases.running.workshop import Workshop
 
 #: Relative errors of the tip deflection that a caller may choose.
 LOWEST: Final = 1e-4
@@ -58,9 +58,9 @@ def workshop(jobs: int | None, quiet: bool, cases: "Sequence[Case]" = (), engine
         StoreError: the folder of results cannot be used.
         ExecutorError: the cluster cannot be used.
     """
-    from quickreturn.cases.jobs.processes import LocalProcesses
-    from quickreturn.cases.jobs.store import Store
-    from quickreturn.cases.jobs.workshop import Workshop
+    from quickreturn.cases.running.processes import LocalProcesses
+    from quickreturn.cases.running.store import Store
+    from quickreturn.cases.running.workshop import Workshop
 
     how = CHOSEN.get() or Computing(jobs, quiet=quiet)
     store = Store(tell=how.tell)
@@ -70,7 +70,7 @@ def workshop(jobs: int | None, quiet: bool, cases: "Sequence[Case]" = (), engine
         yield opened
         return
     try:
-        from quickreturn.cases.jobs.cluster import cluster
+        from quickreturn.cases.running.cluster import cluster
     except ModuleNotFoundError as error:
         advice = "try pip install 'quickreturn[cluster]'"
         raise ExecutorError(f"cluster {how.cluster}: the package {error.name} is not installed; {advice}") from error

@@ -7,14 +7,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from quickreturn.arguments import AnyCase, AnyEngineOrTable, given_settings, loaded, one_case, prepared
-from quickreturn.cases.columns import known_column
-from quickreturn.cases.errors import as_written, nearest_or_all
-from quickreturn.cases.measures.catalogue import MEASURES, numbers
-from quickreturn.cases.measures.cycle import EXTREMES, VIBRATION
-from quickreturn.cases.printable import Cell, Printable
-from quickreturn.cases.runs.campaign import cross_validate
-from quickreturn.cases.runs.comparison import CaseResult, Difference
-from quickreturn.cases.runs.request import Run
+from quickreturn.cases.comparison.campaign import cross_validate
+from quickreturn.cases.comparison.engines import CaseResult, Difference
+from quickreturn.cases.files.columns import known_column
+from quickreturn.cases.files.errors import as_written, nearest_or_all
+from quickreturn.cases.files.printable import Cell, Printable
+from quickreturn.cases.motion.catalogue import MEASURES, numbers
+from quickreturn.cases.motion.cycle import EXTREMES, VIBRATION
+from quickreturn.cases.motion.request import Run
 from quickreturn.computing import checked, workshop
 from quickreturn.engines.registry import MAIN
 from quickreturn.engines.trajectory import Trajectory

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-    from quickreturn.cases.case import Case
+    from quickreturn.cases.files.case import Case
     from quickreturn.engines.accurate import Result
 
 

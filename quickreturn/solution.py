@@ -12,16 +12,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from quickreturn.arguments import AnyCase, engine_given, one_case
-from quickreturn.cases.case import Case
-from quickreturn.cases.columns import known_column
-from quickreturn.cases.jobs.display import compilation_announced
-from quickreturn.cases.jobs.in_process import ThisProcess
-from quickreturn.cases.jobs.job import Job, T
-from quickreturn.cases.jobs.store import Store, StoreError
-from quickreturn.cases.jobs.workshop import outcomes_of
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.files.columns import known_column
+from quickreturn.cases.files.printable import Cell, Printable, Rows
 from quickreturn.cases.loads.arm import missing
-from quickreturn.cases.printable import Cell, Printable, Rows
-from quickreturn.cases.solving import Answer, TrajectoryRequest, frequencies_job
+from quickreturn.cases.motion.solving import Answer, TrajectoryRequest, frequencies_job
+from quickreturn.cases.running.display import compilation_announced
+from quickreturn.cases.running.in_process import ThisProcess
+from quickreturn.cases.running.job import Job, T
+from quickreturn.cases.running.store import Store, StoreError
+from quickreturn.cases.running.workshop import outcomes_of
 from quickreturn.computing import checked
 from quickreturn.dataset import dataset_of
 from quickreturn.engines.accurate import NOT_ESTIMATED, Result

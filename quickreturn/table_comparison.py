@@ -11,18 +11,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from quickreturn.arguments import AnyCase, AnyEngineOrTable, given_settings, one_case, prepared
-from quickreturn.cases.case import Case
-from quickreturn.cases.errors import CaseError
-from quickreturn.cases.jobs.job import Job
-from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.measures.number import SAYS_NOTHING
-from quickreturn.cases.printable import Cell, Printable, Rows
-from quickreturn.cases.recorded import RecordedTable, read_table, table_of
-from quickreturn.cases.runs.campaign import hold_against_engines
-from quickreturn.cases.runs.column_differences import Causes, causes, column_differences, places
-from quickreturn.cases.runs.comparison import CaseResult, Difference, agreement
-from quickreturn.cases.runs.request import NOTHING, Run
-from quickreturn.cases.text.number_rows import PLAIN, Form
+from quickreturn.cases.comparison.campaign import hold_against_engines
+from quickreturn.cases.comparison.column_differences import Causes, causes, column_differences, places
+from quickreturn.cases.comparison.engines import CaseResult, Difference, agreement
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.files.errors import CaseError
+from quickreturn.cases.files.number_rows import PLAIN, Form
+from quickreturn.cases.files.printable import Cell, Printable, Rows
+from quickreturn.cases.files.recorded import RecordedTable, read_table, table_of
+from quickreturn.cases.motion.number import SAYS_NOTHING
+from quickreturn.cases.motion.request import NOTHING, Run
+from quickreturn.cases.running.job import Job
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.computing import checked, workshop
 from quickreturn.engines.plugins import found as found_at
 from quickreturn.engines.plugins import plugins

@@ -4,14 +4,14 @@ import math
 from collections.abc import Sequence
 from typing import Any, Final
 
-from quickreturn.cases.case import Case
+from quickreturn.cases.comparison.engines import REFERENCE, CaseResult, Difference, Kind, agreement, not_judged
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.files.printable import Cell, Rows
+from quickreturn.cases.files.shown import Units
 from quickreturn.cases.loads import UNITS, loads_of_run, resonance
-from quickreturn.cases.measures.catalogue import IN_TABLES, MEASURES, numbers
-from quickreturn.cases.measures.number import SAYS_NOTHING
-from quickreturn.cases.printable import Cell, Rows
-from quickreturn.cases.runs.comparison import REFERENCE, CaseResult, Difference, Kind, agreement, not_judged
-from quickreturn.cases.runs.request import Run
-from quickreturn.cases.shown import Units
+from quickreturn.cases.motion.catalogue import IN_TABLES, MEASURES, numbers
+from quickreturn.cases.motion.number import SAYS_NOTHING
+from quickreturn.cases.motion.request import Run
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reports.results.drive import drive_of, drive_sentences
 from quickreturn.reports.results.loads import CaseLoads, leading_loads, loads_document, notch_lines, settled_speed, stress_text

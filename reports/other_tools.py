@@ -7,11 +7,11 @@ from typing import Any, Final
 
 import jinja2
 
-from quickreturn.cases.case import Case
-from quickreturn.cases.keys import SECTIONS
-from quickreturn.cases.measures.time_scale import TURN, time_scale
-from quickreturn.cases.runs.first_row import standard_row
-from quickreturn.cases.runs.recorded import LARGEST_GAP, LEFT_OUT, ROWS_PER_PERIOD
+from quickreturn.cases.comparison.first_row import standard_row
+from quickreturn.cases.comparison.tables import LARGEST_GAP, LEFT_OUT, ROWS_PER_PERIOD
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.files.keys import SECTIONS
+from quickreturn.cases.motion.time_scale import TURN, time_scale
 from quickreturn.reference_model.columns import AXIAL, BENDING, COLUMNS
 from quickreturn.reference_model.joint import rollers
 from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive

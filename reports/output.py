@@ -12,9 +12,9 @@ from typing import Any
 
 import click
 
-from quickreturn.cases.errors import printable, shortened
-from quickreturn.cases.printable import Cell, Rows
-from quickreturn.cases.whole_file import words_of, write_atomically
+from quickreturn.cases.files.errors import printable, shortened
+from quickreturn.cases.files.printable import Cell, Rows
+from quickreturn.cases.files.whole_file import words_of, write_atomically
 from quickreturn.reference_model.errors import ToldError
 
 

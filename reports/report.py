@@ -7,16 +7,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from quickreturn.cases.case import Case
-from quickreturn.cases.jobs.key import code_of
-from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.measures.number import SAYS_NOTHING
-from quickreturn.cases.recorded import RecordedTable
-from quickreturn.cases.runs.campaign import Work, cross_validate
-from quickreturn.cases.runs.comparison import CaseResult, agreement
-from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.runs.request import Run
-from quickreturn.cases.runs.steady_state import steady_state
+from quickreturn.cases.comparison.campaign import Work, cross_validate
+from quickreturn.cases.comparison.engines import CaseResult, agreement
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.files.recorded import RecordedTable
+from quickreturn.cases.motion.endings import Ending
+from quickreturn.cases.motion.number import SAYS_NOTHING
+from quickreturn.cases.motion.request import Run
+from quickreturn.cases.motion.steady_state import steady_state
+from quickreturn.cases.running.key import code_of
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.registry import MAIN
 from quickreturn.reports.machine import machine_facts
 from quickreturn.reports.output import check_folder, write_file

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from quickreturn.cases.jobs.key import code_fingerprint
+from quickreturn.cases.running.key import code_fingerprint
 
 FILE: Final = "verification.json"
 #: The code that the verification depends on.

@@ -4,9 +4,9 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
+from quickreturn.cases.files.shown import Unit
+from quickreturn.cases.files.units import in_si
 from quickreturn.cases.library import ENTRIES
-from quickreturn.cases.shown import Unit
-from quickreturn.cases.units import in_si
 
 MINUS: Final = "−"
 #: A space at which no line breaks.

@@ -3,7 +3,7 @@
 from dataclasses import replace
 from typing import Any
 
-from quickreturn.cases.runs.request import Run
+from quickreturn.cases.motion.request import Run
 
 
 def changed_run(run: Run, **values: Any) -> Run:

@@ -29,8 +29,8 @@ from typing import Any, NamedTuple
 import pytest
 
 import quickreturn
-from quickreturn.cases.keys import SECTIONS
-from quickreturn.cases.runs.endings import Ending
+from quickreturn.cases.files.keys import SECTIONS
+from quickreturn.cases.motion.endings import Ending
 from quickreturn.command_line import COMMANDS, main
 from quickreturn.commands.console import ExitCode
 from quickreturn.plugins.methods.chapters.classes import winners_of

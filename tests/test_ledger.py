@@ -9,7 +9,7 @@ from typing import Literal
 
 import pytest
 
-from quickreturn.cases.jobs.store import VARIABLE
+from quickreturn.cases.running.store import VARIABLE
 from tests.ledger import FILE, ROOT, Entry, Ledger, code_of, read, status, write
 from tests.slices import UNREACHED
 

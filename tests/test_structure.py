@@ -17,7 +17,7 @@ from pathlib import Path
 import pytest
 
 import quickreturn
-from quickreturn.cases.jobs.imported_modules import modules_in
+from quickreturn.cases.running.imported_modules import modules_in
 
 ROOT = Path(__file__).resolve().parents[1]
 #: From bottom to top; what stands in `quickreturn` itself is above them all.
@@ -38,10 +38,10 @@ reference_model: columns eigenproblem errors follower mechanism natural_modes qu
 reference_model.native: cache_folder turn
 engines: accurate base compiling error_parts ladder memory one_run one_thread plugins progress refusals registry relative settings start
     trajectory
-cases: case errors keys plausibility printable shown units whole_file
-cases.jobs: display imported_modules in_process job key pieces records store tally workshop
-cases.measures: consensus cycle drifting_fit extremes first_mode half_cycle moving_mode number quasi_static second_mode time_scale
-cases.text: broken_toml copies document force_table number_rows reading text_file written
+cases.files: broken_toml case copies document errors force_table keys number_rows plausibility printable reading shown text_file units
+    whole_file written
+cases.motion: consensus cycle drifting_fit extremes first_mode half_cycle moving_mode number quasi_static second_mode time_scale
+cases.running: display imported_modules in_process job key pieces records store tally workshop
 """
 #: Lines of the kernel at most, everything counted.
 LARGEST_KERNEL = 10_000
@@ -201,5 +201,5 @@ def test_without_a_plugin_the_rest_works(name: str, tmp_path: Path) -> None:
     call("-m", "quickreturn", "simulate", "thesis-24", "--engine", "reference", "--output", "run.csv")
     call("-m", "quickreturn", "run", "thesis-17", "--engine", "reference")
     call("-m", "quickreturn", "report", "example", "--engine", "reference", "--output", "page")
-    tests = [file for file in (copy / "tests/cases/measures").glob("test_*.py") if "quickreturn.plugins" not in file.read_text("utf-8")]
+    tests = [file for file in (copy / "tests/cases/motion").glob("test_*.py") if "quickreturn.plugins" not in file.read_text("utf-8")]
     call("-m", "pytest", "-q", "-p", "no:cacheprovider", *map(str, tests))

@@ -17,11 +17,11 @@ from quickreturn.cases.loads import drive
 from quickreturn.cases.loads.fatigue import Fatigue
 from quickreturn.cases.loads.resonance import Resonance
 from quickreturn.cases.loads.stress import ArmStress, Factor
-from quickreturn.cases.measures.catalogue import MEASURES
-from quickreturn.cases.measures.cycle import EXTREMES, HALVES, VIBRATION, ChannelMeasures
-from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.runs.request import PeriodicOrbit
-from quickreturn.cases.solving import Frequencies
+from quickreturn.cases.motion.catalogue import MEASURES
+from quickreturn.cases.motion.cycle import EXTREMES, HALVES, VIBRATION, ChannelMeasures
+from quickreturn.cases.motion.request import PeriodicOrbit
+from quickreturn.cases.motion.solving import Frequencies
+from quickreturn.cases.motion.time_scale import CHANNELS
 from quickreturn.engines.accurate import Result
 from quickreturn.plugins.studies.resonance_curve.curve import ResonanceCurve, ResonancePeak, SpecialPoint
 from quickreturn.plugins.studies.uncertainty.fit import FittedParameter
@@ -96,7 +96,7 @@ _ACCURACY: Final = "tests/verification/test_measures_accuracy.py::test_bias_spre
 _FREQUENCY: Final = Witness(
     "the phase of a small free vibration about the motion, without a fit",
     8e-3,
-    "tests/cases/measures/test_simulated.py::test_frequencies_of_steady_states_lie_within_their_claims",
+    "tests/cases/motion/test_simulated.py::test_frequencies_of_steady_states_lie_within_their_claims",
 )
 #: The difference is the spread.
 _AMPLITUDE: Final = Witness(_KNOWN, 0.03, _ACCURACY)
@@ -211,15 +211,15 @@ _OF_RESULTS: Final[dict[type[Any], dict[str, Witness]]] = {
         ),
         "first_mode_amplitude": _AMPLITUDE,
         "second_mode_frequency": Witness(
-            _KNOWN, 0.01, "tests/cases/measures/test_cycle.py::test_strong_second_mode_is_found_where_channels_agree"
+            _KNOWN, 0.01, "tests/cases/motion/test_cycle.py::test_strong_second_mode_is_found_where_channels_agree"
         ),
-        **dict.fromkeys(EXTREMES, Witness("a sine", 1e-6, "tests/cases/measures/test_cycle.py::test_extremes_belong_to_their_half")),
+        **dict.fromkeys(EXTREMES, Witness("a sine", 1e-6, "tests/cases/motion/test_cycle.py::test_extremes_belong_to_their_half")),
         **dict.fromkeys(
             ("minimum_uncertainty", "maximum_uncertainty"),
             Witness(
                 "corners between samples",
                 0.0,
-                "tests/cases/measures/test_cycle.py::test_a_corner_between_samples_is_missed_by_no_more_than_is_said",
+                "tests/cases/motion/test_cycle.py::test_a_corner_between_samples_is_missed_by_no_more_than_is_said",
             ),
         ),
         **dict.fromkeys(
@@ -258,7 +258,7 @@ _OF_RESULTS: Final[dict[type[Any], dict[str, Witness]]] = {
             Witness(
                 "the error against eigenvalues of the whole Jacobian of 8 modes, over the claim",
                 0.98,
-                "tests/cases/runs/test_stability.py::test_multipliers_of_all_runs_are_within_their_claims",
+                "tests/cases/motion/test_stability.py::test_multipliers_of_all_runs_are_within_their_claims",
             ),
         ),
     },

@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
-from quickreturn.cases.case import Case, case_of
-from quickreturn.cases.errors import CaseError
+from quickreturn.cases.files.case import Case, case_of
+from quickreturn.cases.files.document import Document, header_of, read_document
+from quickreturn.cases.files.errors import CaseError
+from quickreturn.cases.files.text_file import read_text
 from quickreturn.cases.library import hard
 from quickreturn.cases.library.thesis.entries import ENTRIES
-from quickreturn.cases.text.document import Document, header_of, read_document
-from quickreturn.cases.text.text_file import read_text
 
 __all__ = ["ENTRIES", "CatalogueLine", "case_names", "catalogue", "library_case", "library_document"]
 

@@ -9,9 +9,9 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Final
 
-from quickreturn.cases.case import case_of
-from quickreturn.cases.text.document import Document
-from quickreturn.cases.variation import Variation
+from quickreturn.cases.files.case import case_of
+from quickreturn.cases.files.document import Document
+from quickreturn.cases.files.variation import Variation
 from quickreturn.reference_model.scene_values import changed_values
 
 TAG: Final = "hard"

@@ -11,11 +11,11 @@ from quickreturn.cases.loads.axial import axial_stress
 from quickreturn.cases.loads.peak import ErrorAt, of_column, of_vector
 from quickreturn.cases.loads.resonance import HARDLY, Resonance, ordinal, resonance, share_of, share_words, shift_of_motion
 from quickreturn.cases.loads.stress import ArmStress, Factor, arm_stress, safety
-from quickreturn.cases.measures.number import Number
+from quickreturn.cases.motion.number import Number
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 
 if TYPE_CHECKING:
-    from quickreturn.cases.runs.request import Run
+    from quickreturn.cases.motion.request import Run
 
 __all__ = [
     "HARDLY",

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from quickreturn.cases.loads.arm import KnownMoments
 from quickreturn.cases.loads.peak import ErrorAt, of_column
-from quickreturn.cases.measures.number import Number
+from quickreturn.cases.motion.number import Number
 from quickreturn.reference_model.columns import AXIAL
 from quickreturn.reference_model.mechanism import Scene
 

@@ -17,7 +17,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.measures.number import Number
+from quickreturn.cases.motion.number import Number
 from quickreturn.reference_model.follower import Follower
 
 Array = NDArray[np.float64]

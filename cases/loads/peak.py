@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.measures.extremes import extremes
-from quickreturn.cases.measures.number import Number
+from quickreturn.cases.motion.extremes import extremes
+from quickreturn.cases.motion.number import Number
 
 Array = NDArray[np.float64]
 

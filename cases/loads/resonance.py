@@ -14,7 +14,7 @@ from quickreturn.reference_model.natural_modes import frozen_crank_modes, turn_a
 from quickreturn.reference_model.rigid import mean_crank_speed
 
 if TYPE_CHECKING:
-    from quickreturn.cases.shown import Units
+    from quickreturn.cases.files.shown import Units
 
 #: Number of crank angles in half a turn over which frequencies are averaged. The mean of a smooth periodic
 #: function over so many even angles is exact to round-off in all scenes of the library but those whose crank nearly reaches P.
@@ -132,9 +132,9 @@ def driven(mechanism: Mechanism) -> tuple[int, int]:
 def shift_of_motion(mechanism: Mechanism) -> float:
     """Difference of the mean first frequency with a turning, compliant crank from that with the crank held; Hz.
 
-    To first order in the coupling of the modes (`cases.measures.moving_mode`); 0 where nothing vibrates.
+    To first order in the coupling of the modes (`cases.motion.moving_mode`); 0 where nothing vibrates.
     """
-    from quickreturn.cases.measures.time_scale import TURN, time_scale
+    from quickreturn.cases.motion.time_scale import TURN, time_scale
 
     scale = time_scale(mechanism)
     if scale is None:

@@ -20,8 +20,8 @@ from quickreturn.cases.loads.arm import ALONG, KnownMoments, between, interpolat
 from quickreturn.cases.loads.axial import axial_forces, is_known
 from quickreturn.cases.loads.fatigue import Fatigue, counted_ranges, equivalent_amplitude, goodman_ratio
 from quickreturn.cases.loads.peak import ErrorAt, peak_of
-from quickreturn.cases.measures.extremes import extremes
-from quickreturn.cases.measures.number import Number
+from quickreturn.cases.motion.extremes import extremes
+from quickreturn.cases.motion.number import Number
 from quickreturn.reference_model.columns import AXIAL
 from quickreturn.reference_model.follower import Follower
 from quickreturn.reference_model.mechanism import Scene

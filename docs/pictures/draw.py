@@ -12,11 +12,11 @@ import numpy as np
 from matplotlib.figure import Figure
 from PIL import Image
 
-from quickreturn.cases.case import Case
-from quickreturn.cases.case_file import load_case
-from quickreturn.cases.jobs.store import Store
-from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.runs.campaign import cross_validate
+from quickreturn.cases.comparison.campaign import cross_validate
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.running.store import Store
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.plugins.methods import work_precision
 from quickreturn.plugins.methods.records import benchmarks
 from quickreturn.plugins.studies.drawing import resonance

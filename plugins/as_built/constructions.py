@@ -9,7 +9,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Final
 
-from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.reports.long_studies import table
 
 #: The programs' scripts. They stand in the checkout alone, and so does the record that is made from them.

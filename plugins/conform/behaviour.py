@@ -12,9 +12,9 @@ from typing import Any, Final
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from quickreturn.cases.jobs.display import answers
-from quickreturn.cases.jobs.job import Job
-from quickreturn.cases.jobs.processes import LocalProcesses
+from quickreturn.cases.running.display import answers
+from quickreturn.cases.running.job import Job
+from quickreturn.cases.running.processes import LocalProcesses
 from quickreturn.engines.base import AnyEngine, EngineFailure
 from quickreturn.engines.own.reference import ReferenceEngine
 from quickreturn.engines.relative import rms

@@ -2,8 +2,8 @@
 
 import click
 
-from quickreturn.cases.jobs.fork_server import COMPUTING, get_ready
-from quickreturn.cases.jobs.job import Outcome
+from quickreturn.cases.running.fork_server import COMPUTING, get_ready
+from quickreturn.cases.running.job import Outcome
 from quickreturn.commands import options
 from quickreturn.commands.console import Call, ExitCode
 from quickreturn.computing import workshop

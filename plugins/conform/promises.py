@@ -9,7 +9,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from quickreturn.cases.case_file import load_case
+from quickreturn.cases.files.case_file import load_case
 from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.relative import relative_error, rms
 from quickreturn.engines.settings import Settings

@@ -5,8 +5,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from quickreturn.cases.jobs.job import Outcome
-from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.running.job import Outcome
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.registry import engine, own_engines
 from quickreturn.plugins.conform.contract import Conformance, conform
 from quickreturn.plugins.conform.contract import job as job_of

@@ -4,15 +4,15 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-from quickreturn.cases.case import Case
-from quickreturn.cases.case_file import load_case
-from quickreturn.cases.jobs.job import MISSING, Job, Outcome
-from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.measures.steady_state import on_common_grid, relative_change
-from quickreturn.cases.runs.campaign import Work, carry_out
-from quickreturn.cases.runs.marching import channels_of
-from quickreturn.cases.runs.request import Run, RunRequest
-from quickreturn.cases.solving import Answer, TrajectoryRequest, inputs_of
+from quickreturn.cases.comparison.campaign import Work, carry_out
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.motion.marching import channels_of
+from quickreturn.cases.motion.request import Run, RunRequest
+from quickreturn.cases.motion.settling import on_common_grid, relative_change
+from quickreturn.cases.motion.solving import Answer, TrajectoryRequest, inputs_of
+from quickreturn.cases.running.job import MISSING, Job, Outcome
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.registry import MAIN, engine

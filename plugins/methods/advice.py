@@ -4,10 +4,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from quickreturn.arguments import AnyCase, one_case
-from quickreturn.cases.case import Case
-from quickreturn.cases.errors import CaseError
-from quickreturn.cases.printable import Cell, Printable, Rows
-from quickreturn.cases.units import in_si
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.files.errors import CaseError
+from quickreturn.cases.files.printable import Cell, Printable, Rows
+from quickreturn.cases.files.units import in_si
 from quickreturn.computing import checked
 from quickreturn.engines.base import Refusal
 from quickreturn.engines.registry import engine

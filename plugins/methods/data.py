@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from quickreturn.cases.case import Case
-from quickreturn.cases.case_file import load_case
+from quickreturn.cases.comparison.campaign import Work
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.library import catalogue
 from quickreturn.cases.library.hard import TAG
-from quickreturn.cases.runs.campaign import Work
 from quickreturn.plugins.methods import accuracy as studies
 from quickreturn.plugins.methods import records
 from quickreturn.plugins.methods.accuracy import ACCURACY_CASE, Studies

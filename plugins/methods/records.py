@@ -5,11 +5,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from typing import Any, Final
 
-from quickreturn.cases.case import Case
-from quickreturn.cases.case_file import load_case
-from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.library import catalogue
 from quickreturn.cases.library.hard import TAG
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.registry import MAIN
 from quickreturn.plugins.methods import accuracy
 from quickreturn.plugins.methods.benchmark import SCENES, Benchmark, Compiling, measure, stored

@@ -10,15 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from quickreturn.cases.case import Case
-from quickreturn.cases.jobs.job import Job
-from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.keys import PATHS
+from quickreturn.cases.comparison.campaign import Work
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.files.keys import PATHS
+from quickreturn.cases.files.shown import Unit, Units
 from quickreturn.cases.loads import Resonance, ordinal, resonance
-from quickreturn.cases.measures.catalogue import MEASURES, Measure
-from quickreturn.cases.runs.campaign import Work
-from quickreturn.cases.runs.stability import UNSTABLE
-from quickreturn.cases.shown import Unit, Units
+from quickreturn.cases.motion.catalogue import MEASURES, Measure
+from quickreturn.cases.motion.stability import UNSTABLE
+from quickreturn.cases.running.job import Job
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.base import Refusal
 from quickreturn.plugins.studies.resonance_curve.curve import ResonanceCurve, ResonancePeak, SpecialPoint
 from quickreturn.plugins.studies.resonance_curve.range import SPEED

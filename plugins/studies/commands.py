@@ -24,7 +24,7 @@ class _WithMeasures(click.Command):
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the measures."""
-        from quickreturn.cases.measures.catalogue import listed
+        from quickreturn.cases.motion.catalogue import listed
 
         with formatter.section("Measures"):
             formatter.write_dl([(each.name, f"{each.meaning[0].upper()}{each.meaning[1:]} [{each.unit}].") for each in listed()])

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from quickreturn.cases.runs.comparison import REFERENCE, CaseResult
+from quickreturn.cases.comparison.engines import REFERENCE, CaseResult
 from quickreturn.engines.registry import MODEL
 from quickreturn.plugins.thesis.experiment import AxisLabels, axis_labels
 from quickreturn.plugins.thesis.runs import thesis_runs

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Final
 
-from quickreturn.cases.measures.cycle import HALVES
-from quickreturn.cases.runs.comparison import REFERENCE, CaseResult
+from quickreturn.cases.comparison.engines import REFERENCE, CaseResult
+from quickreturn.cases.motion.cycle import HALVES
 from quickreturn.engines.registry import MODEL
 from quickreturn.plugins.thesis.experiment import Statement, statements
 from quickreturn.plugins.thesis.finding.study import Row

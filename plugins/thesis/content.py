@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import ClassVar
 
-from quickreturn.cases.case import Case
+from quickreturn.cases.files.case import Case
 from quickreturn.cases.library.thesis.entries import ENTRIES
 from quickreturn.plugins.thesis.chapters.experiment import experiment
 from quickreturn.plugins.thesis.chapters.inconsistencies import published_inconsistencies

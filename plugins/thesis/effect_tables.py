@@ -5,7 +5,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from quickreturn.cases.runs.comparison import REFERENCE
+from quickreturn.cases.comparison.engines import REFERENCE
 from quickreturn.plugins.thesis.finding.effects import name_of
 from quickreturn.plugins.thesis.finding.study import SAMPLE, SECOND, Row
 from quickreturn.plugins.thesis.sufficiency import Sufficiency, Trial

@@ -4,8 +4,8 @@ import statistics
 from collections.abc import Sequence
 from typing import Any, Final
 
-from quickreturn.cases.measures.cycle import HALVES
-from quickreturn.cases.runs.comparison import REFERENCE, CaseResult
+from quickreturn.cases.comparison.engines import REFERENCE, CaseResult
+from quickreturn.cases.motion.cycle import HALVES
 from quickreturn.plugins.thesis import effect_tables as tables
 from quickreturn.plugins.thesis.experiment import statements
 from quickreturn.plugins.thesis.finding.effects import effects, name_of

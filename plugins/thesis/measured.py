@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from quickreturn.cases.library.thesis.runs import RUNS, run_name
-from quickreturn.cases.measures.cycle import HALVES, consensus_of
+from quickreturn.cases.motion.cycle import HALVES, consensus_of
 from quickreturn.plugins.thesis.experiment import channel_is_usable
 from quickreturn.reports.page.content import MeasuredHalf
 

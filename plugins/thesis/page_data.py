@@ -5,13 +5,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Final
 
-from quickreturn.cases.jobs.job import Job
+from quickreturn.cases.comparison.engines import CaseResult
+from quickreturn.cases.files.recorded import RecordedTable
+from quickreturn.cases.files.units import in_si
 from quickreturn.cases.library.hard import ORIGINAL
 from quickreturn.cases.library.thesis.inconsistencies import inconsistencies
 from quickreturn.cases.library.thesis.runs import RUNS
-from quickreturn.cases.recorded import RecordedTable
-from quickreturn.cases.runs.comparison import CaseResult
-from quickreturn.cases.units import in_si
+from quickreturn.cases.running.job import Job
 from quickreturn.engines.registry import MODEL
 from quickreturn.plugins.thesis import records
 from quickreturn.plugins.thesis.axes import axis_comparisons, fits_worse

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
-from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.plugins.thesis import scatter
 from quickreturn.plugins.thesis.finding import study
 from quickreturn.reports.long_studies import table

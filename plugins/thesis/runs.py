@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
+from quickreturn.cases.comparison.engines import CaseResult
 from quickreturn.cases.library.thesis.runs import RUNS, run_name
-from quickreturn.cases.runs.comparison import CaseResult
 from quickreturn.reports.page.content import of_library
 
 

@@ -6,11 +6,11 @@ from typing import Final
 
 import numpy as np
 
-from quickreturn.cases.case_file import load_case
-from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.library.thesis.runs import RUNS, run_name
-from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.runs.endings import Ending
+from quickreturn.cases.motion.endings import Ending
+from quickreturn.cases.motion.time_scale import CHANNELS
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.plugins.studies.sweep.rows import MeasureRequest
 from quickreturn.plugins.studies.uncertainty.propagation import planned
 from quickreturn.plugins.studies.uncertainty.scatter import Quantile, Scatter, quantiles

@@ -11,8 +11,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from quickreturn.cases.measures.cycle import HALVES
-from quickreturn.cases.runs.comparison import REFERENCE
+from quickreturn.cases.comparison.engines import REFERENCE
+from quickreturn.cases.motion.cycle import HALVES
 from quickreturn.plugins.thesis.conclusions import ACCURATE
 from quickreturn.plugins.thesis.experiment import Statement, axis_labels, statements
 from quickreturn.plugins.thesis.finding.effects import PUBLISHED, Effect, effects, name_of

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Final
 import click
 
 import quickreturn as qr
-from quickreturn.cases.jobs.fork_server import DESCRIBING, get_ready
-from quickreturn.cases.jobs.job import Job
+from quickreturn.cases.running.fork_server import DESCRIBING, get_ready
+from quickreturn.cases.running.job import Job
 from quickreturn.commands import options
 from quickreturn.commands.console import Call, tell_doubts, write
 
 if TYPE_CHECKING:
-    from quickreturn.cases.case import Case
+    from quickreturn.cases.files.case import Case
 
 #: The library's case that has every key.
 EXAMPLE: Final = "example"
@@ -27,7 +27,7 @@ def engines(call: Call, engine: str | None) -> None:
         listed = qr.list_engines()
         call.show(listed, repr(listed))
         return
-    from quickreturn.cases.printable import Rows
+    from quickreturn.cases.files.printable import Rows
     from quickreturn.descriptions import outcomes, settings, value_of
 
     found = value_of(*outcomes([Job(engine, settings, (engine,))], engine))

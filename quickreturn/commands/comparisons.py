@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from quickreturn.cases.errors import as_written
-from quickreturn.cases.runs.endings import Ending
+from quickreturn.cases.files.errors import as_written
+from quickreturn.cases.motion.endings import Ending
 from quickreturn.commands import options, tables
 from quickreturn.commands.console import Call, ExitCode, check_file, tell, tell_slow, write
 from quickreturn.pack.check import LARGEST, BadInput, judged
 from quickreturn.reports.output import print_json
 
 if TYPE_CHECKING:
-    from quickreturn.cases.runs.comparison import CaseResult
+    from quickreturn.cases.comparison.engines import CaseResult
 
 PICTURES: Final = (".png", ".svg", ".pdf")
 #: Endings of files. With such a name a user expects a page, not a folder.
@@ -34,7 +34,7 @@ def run(call: Call) -> int:
     loaded = call.loaded()
     call.refuse_missing()
     import quickreturn as qr
-    from quickreturn.cases.printable import in_lines
+    from quickreturn.cases.files.printable import in_lines
     from quickreturn.verdict_text import as_document, parts_of
 
     tell_slow(loaded)
@@ -82,7 +82,7 @@ def compare(call: Call, files: Sequence[str], writes_mapping: bool, **reading: A
     if writes_mapping:
         return tables.write_mapping(files, reading)
     check_file(call.output, loaded.source, PICTURES)
-    from quickreturn.cases.printable import in_lines
+    from quickreturn.cases.files.printable import in_lines
     from quickreturn.table_comparison import compared, parts_of_tables, tables_in
     from quickreturn.verdict_text import as_document
 

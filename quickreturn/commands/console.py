@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 if TYPE_CHECKING:
-    from quickreturn.cases.case import Case
-    from quickreturn.cases.jobs.job import Limits
-    from quickreturn.cases.jobs.store import Store
-    from quickreturn.cases.jobs.workshop import Workshop
+    from quickreturn.cases.files.case import Case
+    from quickreturn.cases.running.job import Limits
+    from quickreturn.cases.running.store import Store
+    from quickreturn.cases.running.workshop import Workshop
     from quickreturn.computing import Computing
 
 LONGEST_MESSAGE: Final = 600  # characters; a longer message repeats a huge argument
@@ -74,7 +74,7 @@ class Call:
     @property
     def limits(self) -> "Limits":
         """Limits of time and memory of a job."""
-        from quickreturn.cases.jobs.job import Limits, default_limits
+        from quickreturn.cases.running.job import Limits, default_limits
 
         usual = default_limits()
         return Limits(self.time_limit or usual.seconds, round(self.memory_limit * 2**30) if self.memory_limit else usual.memory)
@@ -88,7 +88,7 @@ class Call:
 
     def _begun(self, workshop: "Workshop", cases: "Sequence[Case]", engines: Sequence[str]) -> None:
         """Announce what will run. The slow imports of the processes begin here, too."""
-        from quickreturn.cases.jobs import fork_server
+        from quickreturn.cases.running import fork_server
 
         self.keep_in(workshop.store)
         self._announce_compiling()
@@ -111,8 +111,8 @@ class Call:
 
     def case(self, name: str | None = None) -> "Case":
         """A case, or the only one, with the values, times and units of the options."""
-        from quickreturn.cases.case_file import load_case, with_times
-        from quickreturn.cases.errors import CaseError, as_written
+        from quickreturn.cases.files.case_file import load_case, with_times
+        from quickreturn.cases.files.errors import CaseError, as_written
 
         for key, seconds in (("duration", self.duration), ("output_step", self.output_step)):
             if seconds is not None and f"simulation.{key}" in self.overrides:
@@ -142,7 +142,7 @@ class Call:
 
     def refuse_missing(self) -> None:
         """Refusal: an engine cannot be used here. Recorded tables may stand among the engines."""
-        from quickreturn.cases.recorded import is_table
+        from quickreturn.cases.files.recorded import is_table
         from quickreturn.engines.registry import usable_engine
 
         for name in self.engines:
@@ -186,7 +186,7 @@ def write(file: str | None, content: Callable[[str], bytes]) -> None:
 
 def tell_doubts(cases: "Sequence[Case]") -> None:
     """Name doubtful values of the user's own cases on standard error, each doubt once; values of the library are intended."""
-    from quickreturn.cases.plausibility import doubts
+    from quickreturn.cases.files.plausibility import doubts
 
     concerned: dict[str, list[str]] = {}
     for case in cases:
@@ -199,7 +199,7 @@ def tell_doubts(cases: "Sequence[Case]") -> None:
 
 def tell_slow(cases: "Sequence[Case]") -> None:
     """Name on standard error each case whose crank turns so slowly that its steady state takes minutes."""
-    from quickreturn.cases.runs.slow_turns import warning
+    from quickreturn.cases.motion.slow_turns import warning
 
     for case in cases:
         if slow := warning(case):

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
-from quickreturn.cases.jobs.fork_server import COMPUTING, get_ready
+from quickreturn.cases.running.fork_server import COMPUTING, get_ready
 from quickreturn.commands import options
 from quickreturn.commands.console import Call, ExitCode, check_file, tell, write
 from quickreturn.commands.options import PICTURES
 
 if TYPE_CHECKING:
-    from quickreturn.cases.case import Case
+    from quickreturn.cases.files.case import Case
     from quickreturn.commands.solved import Found
 
 #: Endings of moving pictures.
@@ -108,7 +108,7 @@ def _example(cases: "Sequence[Case]", engines: Sequence[str]) -> str:
 
 def _text(document: Mapping[str, Any], found: "Found", notes: str) -> str:
     """A simulation as a table; `notes`: the command that shows those on the case."""
-    from quickreturn.cases.printable import Rows
+    from quickreturn.cases.files.printable import Rows
 
     if isinstance(found, Exception):
         rows: list[Any] = [("case", document["case"]), ("engine", f"{document['engine']} ({document['version'] or 'version unknown'})")]
@@ -179,8 +179,8 @@ def plot(call: Call, sources: Sequence[str], columns: Sequence[str]) -> None:
     A FILE is a table as `simulate` writes it or as `compare` takes it (its name ends in .csv): its columns are drawn over those of the
     other sources.
     """
-    from quickreturn.cases.recorded import is_table, read_table
-    from quickreturn.cases.shown import units_named
+    from quickreturn.cases.files.recorded import is_table, read_table
+    from quickreturn.cases.files.shown import units_named
     from quickreturn.commands.solved import trajectories
     from quickreturn.reports.drawing.style import picture
 

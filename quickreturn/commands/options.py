@@ -8,9 +8,9 @@ from typing import Any, Final
 import click
 from click.shell_completion import CompletionItem
 
-from quickreturn.cases.errors import as_written, shortened
-from quickreturn.cases.jobs import fork_server
-from quickreturn.cases.units import TIME, QuantityError, parse_quantity, plain_number
+from quickreturn.cases.files.errors import as_written, shortened
+from quickreturn.cases.files.units import TIME, QuantityError, parse_quantity, plain_number
+from quickreturn.cases.running import fork_server
 from quickreturn.commands import console
 from quickreturn.commands.console import Call
 from quickreturn.computing import CHOSEN, HIGHEST, LOWEST
@@ -172,7 +172,7 @@ def _assigned(texts: Sequence[str]) -> tuple[dict[str, str], dict[str, dict[str,
 
 
 def _is_engine(section: str) -> bool:
-    from quickreturn.cases.keys import SECTIONS
+    from quickreturn.cases.files.keys import SECTIONS
     from quickreturn.engines.registry import is_engine
 
     return section == ANY_ENGINE or (section not in SECTIONS and is_engine(section))

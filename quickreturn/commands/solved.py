@@ -7,14 +7,14 @@ from dataclasses import replace
 from typing import Any, Final
 
 from quickreturn.arguments import check, settings_of
-from quickreturn.cases.case import Case
-from quickreturn.cases.jobs import fork_server
-from quickreturn.cases.jobs.job import Job, Outcome, T
-from quickreturn.cases.jobs.processes import LocalProcesses
-from quickreturn.cases.jobs.store import Store
-from quickreturn.cases.jobs.workshop import outcomes_of
-from quickreturn.cases.printable import Rows
-from quickreturn.cases.solving import Answer, TrajectoryRequest, frequencies_job
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.files.printable import Rows
+from quickreturn.cases.motion.solving import Answer, TrajectoryRequest, frequencies_job
+from quickreturn.cases.running import fork_server
+from quickreturn.cases.running.job import Job, Outcome, T
+from quickreturn.cases.running.processes import LocalProcesses
+from quickreturn.cases.running.store import Store
+from quickreturn.cases.running.workshop import outcomes_of
 from quickreturn.commands.console import Call, tell, tell_doubts, write
 from quickreturn.descriptions import EngineDied, value_of
 from quickreturn.engines.base import EngineFailure

@@ -10,7 +10,7 @@ from quickreturn.commands import options as common
 from quickreturn.commands.console import ExitCode, check_file, tell, write
 
 if TYPE_CHECKING:
-    from quickreturn.cases.recorded import RecordedTable
+    from quickreturn.cases.files.recorded import RecordedTable
 
 _MAPPED: Final = 'What a heading of FILE is: "crank.phi = crank_angle [deg]", "phi = -1 * crank_angle [deg] + 90".'
 _SIGN: Final = 'Sign between the columns of FILE: ",", ";", "tab" or "blank"; default: recognised.'
@@ -28,7 +28,7 @@ def options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 def read(paths: Iterable[str], reading: Mapping[str, Any]) -> "list[RecordedTable]":
     """Recorded tables; a message on standard error says how each is written."""
-    from quickreturn.cases.recorded import read_table
+    from quickreturn.cases.files.recorded import read_table
 
     read = [read_table(path, **reading) for path in dict.fromkeys(paths)]
     for table in read:
@@ -39,8 +39,8 @@ def read(paths: Iterable[str], reading: Mapping[str, Any]) -> "list[RecordedTabl
 
 def write_mapping(files: Sequence[str], reading: Mapping[str, Any]) -> int:
     """Write the mapping of the only table to the file beside it, unless that exists."""
-    from quickreturn.cases.recorded import suggested_mapping
-    from quickreturn.cases.text.column_mapping import mapping_file
+    from quickreturn.cases.files.column_mapping import mapping_file
+    from quickreturn.cases.files.recorded import suggested_mapping
 
     if len(files) != 1:
         raise click.UsageError("--write-mapping: give one FILE")

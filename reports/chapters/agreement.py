@@ -7,9 +7,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from quickreturn.cases.measures.cycle import EXTREMES
-from quickreturn.cases.runs.comparison import CLASSES, KINDS, REFERENCE, WORSE, CaseResult, Difference, Kind, not_judged
-from quickreturn.cases.runs.comparison import agreement as verdicts
+from quickreturn.cases.comparison.engines import CLASSES, KINDS, REFERENCE, WORSE, CaseResult, Difference, Kind, not_judged
+from quickreturn.cases.comparison.engines import agreement as verdicts
+from quickreturn.cases.motion.cycle import EXTREMES
 from quickreturn.reports.page.answer import answer_of
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content

@@ -7,8 +7,8 @@ from typing import Final
 import numpy as np
 
 from quickreturn.cases.loads.drive import HARMONICS
-from quickreturn.cases.measures.catalogue import MEASURES
-from quickreturn.cases.runs.request import Run
+from quickreturn.cases.motion.catalogue import MEASURES
+from quickreturn.cases.motion.request import Run
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.plot import Plot, Series

@@ -1,8 +1,8 @@
 """Run by run: the numbers of each case, and its notes, failures and departures; the script draws the curves."""
 
-from quickreturn.cases.measures.catalogue import IN_TABLES, MEASURES
-from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.runs.comparison import CaseResult
+from quickreturn.cases.comparison.engines import CaseResult
+from quickreturn.cases.motion.catalogue import IN_TABLES, MEASURES
+from quickreturn.cases.motion.time_scale import CHANNELS
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.tables.cells import measure_cells, measure_column, status_cell

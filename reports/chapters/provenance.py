@@ -3,9 +3,9 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from quickreturn.cases.runs.comparison import CaseResult
-from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.runs.request import Run
+from quickreturn.cases.comparison.engines import CaseResult
+from quickreturn.cases.motion.endings import Ending
+from quickreturn.cases.motion.request import Run
 from quickreturn.engines.error_parts import TIP
 from quickreturn.engines.registry import own_engines
 from quickreturn.reports.page.chapter import Chapter

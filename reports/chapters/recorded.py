@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
-from quickreturn.cases.measures.cycle import EXTREMES
-from quickreturn.cases.runs.comparison import CaseResult
-from quickreturn.cases.runs.request import Run
-from quickreturn.cases.shown import Unit
+from quickreturn.cases.comparison.engines import CaseResult
+from quickreturn.cases.files.shown import Unit
+from quickreturn.cases.motion.cycle import EXTREMES
+from quickreturn.cases.motion.request import Run
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content, MeasuredHalf

@@ -3,13 +3,13 @@
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-from quickreturn.cases.measures.cycle import EXTREMES, HALVES, VIBRATION
-from quickreturn.cases.measures.number import Number
-from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.runs.comparison import CONSENSUS, REFERENCE, CaseResult, pair_of
-from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.runs.request import Run
-from quickreturn.cases.shown import Units
+from quickreturn.cases.comparison.engines import CONSENSUS, REFERENCE, CaseResult, pair_of
+from quickreturn.cases.files.shown import Units
+from quickreturn.cases.motion.cycle import EXTREMES, HALVES, VIBRATION
+from quickreturn.cases.motion.endings import Ending
+from quickreturn.cases.motion.number import Number
+from quickreturn.cases.motion.request import Run
+from quickreturn.cases.motion.time_scale import CHANNELS
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
-from quickreturn.cases.case import Case
+from quickreturn.cases.files.case import Case
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reports.drawing.mechanism import Positions, Scenery, check_shape, factor_for, legend, positions_of
 from quickreturn.reports.drawing.style import FONT_SIZE, SAMPLE, Array, new_figure

@@ -14,10 +14,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.runs.comparison import CaseResult
-from quickreturn.cases.runs.recorded import GROWING, VIBRATING
-from quickreturn.cases.runs.request import Run
+from quickreturn.cases.comparison.engines import CaseResult
+from quickreturn.cases.comparison.tables import GROWING, VIBRATING
+from quickreturn.cases.motion.request import Run
+from quickreturn.cases.motion.time_scale import CHANNELS
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reports.drawing.style import (
     BAND,

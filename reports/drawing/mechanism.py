@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from scipy.interpolate import CubicSpline
 
-from quickreturn.cases.case import Case
-from quickreturn.cases.columns import UnknownColumn
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.files.columns import UnknownColumn
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.columns import PLACES, SHAPE
 from quickreturn.reference_model.mechanism import Mechanism, Scene

@@ -19,9 +19,9 @@ from typing import Any, Final, TypeVar, get_args, get_type_hints
 
 import pandas as pd
 
-from quickreturn.cases.jobs.records import decoded, encoded
-from quickreturn.cases.jobs.store import Record
-from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.running.records import decoded, encoded
+from quickreturn.cases.running.store import Record
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.plugins import entries, found
 
 T = TypeVar("T")

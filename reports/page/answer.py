@@ -6,8 +6,8 @@ from typing import Final
 
 import numpy as np
 
-from quickreturn.cases.runs.comparison import REFERENCE, CaseResult, Kind
-from quickreturn.cases.runs.endings import Ending
+from quickreturn.cases.comparison.engines import REFERENCE, CaseResult, Kind
+from quickreturn.cases.motion.endings import Ending
 from quickreturn.engines.registry import MODEL
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.results.engine_differences import Spread, differences, engines_of, spread

@@ -6,14 +6,14 @@ from functools import cached_property
 from types import MappingProxyType
 from typing import Any, ClassVar, TypeVar
 
-from quickreturn.cases.case import Case
-from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.measures.cycle import ChannelMeasures
-from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.recorded import RecordedTable
-from quickreturn.cases.runs.comparison import CaseResult
-from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.runs.request import Run
+from quickreturn.cases.comparison.engines import CaseResult
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.files.recorded import RecordedTable
+from quickreturn.cases.motion.cycle import ChannelMeasures
+from quickreturn.cases.motion.endings import Ending
+from quickreturn.cases.motion.request import Run
+from quickreturn.cases.motion.time_scale import CHANNELS
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.registry import MAIN
 from quickreturn.reports.page.chapter import MakeChapter
 from quickreturn.reports.results.loads import CaseLoads, loads_of_case

@@ -7,9 +7,9 @@ from typing import Final
 
 from markupsafe import Markup
 
+from quickreturn.cases.files.shown import Unit
 from quickreturn.cases.loads import UNITS, Loads
-from quickreturn.cases.measures.number import Number
-from quickreturn.cases.shown import Unit
+from quickreturn.cases.motion.number import Number
 from quickreturn.reports.page.answer import Answer, Cubic
 from quickreturn.reports.page.content import Subject
 from quickreturn.reports.results.loads import CaseLoads, axial_words, from_p

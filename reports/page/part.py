@@ -4,8 +4,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 
-from quickreturn.cases.case import Case
-from quickreturn.cases.runs.campaign import Work
+from quickreturn.cases.comparison.campaign import Work
+from quickreturn.cases.files.case import Case
 from quickreturn.engines.plugins import found, plugins
 from quickreturn.reports.page.chapter import MakeChapter
 from quickreturn.reports.page.content import Content

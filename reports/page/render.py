@@ -7,9 +7,9 @@ from typing import Any, Final
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from quickreturn.cases.case import Case
-from quickreturn.cases.measures.cycle import HALVES
-from quickreturn.cases.runs.comparison import REFERENCE, CaseResult
+from quickreturn.cases.comparison.engines import REFERENCE, CaseResult
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.motion.cycle import HALVES
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reports import words
 from quickreturn.reports.page.answer import answer_of

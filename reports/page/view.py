@@ -20,13 +20,13 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.case import Case
+from quickreturn.cases.comparison.engines import CaseResult
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.files.shown import Unit, Units
 from quickreturn.cases.library import ENTRIES
 from quickreturn.cases.library.hard import ORIGINAL
-from quickreturn.cases.runs.comparison import CaseResult
-from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.runs.request import Run
-from quickreturn.cases.shown import Unit, Units
+from quickreturn.cases.motion.endings import Ending
+from quickreturn.cases.motion.request import Run
 from quickreturn.reference_model.columns import COLUMNS, SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.tip_force import tip_force

@@ -5,13 +5,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from quickreturn.cases.case import Case
+from quickreturn.cases.comparison.engines import REFERENCE, CaseResult
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.files.shown import Unit, Units
 from quickreturn.cases.loads.drive import HARMONICS
-from quickreturn.cases.measures.catalogue import MEASURES, numbers
-from quickreturn.cases.measures.number import NO_NUMBER, Number
-from quickreturn.cases.runs.comparison import REFERENCE, CaseResult
-from quickreturn.cases.runs.request import Run
-from quickreturn.cases.shown import Unit, Units
+from quickreturn.cases.motion.catalogue import MEASURES, numbers
+from quickreturn.cases.motion.number import NO_NUMBER, Number
+from quickreturn.cases.motion.request import Run
 from quickreturn.reports.words import TIED, listed, off_by, percent, quantity
 
 #: Measure -> its name in the page.

@@ -6,8 +6,8 @@ from typing import Final
 
 import numpy as np
 
-from quickreturn.cases.measures.cycle import EXTREMES
-from quickreturn.cases.runs.comparison import REFERENCE, CaseResult, Difference, Kind
+from quickreturn.cases.comparison.engines import REFERENCE, CaseResult, Difference, Kind
+from quickreturn.cases.motion.cycle import EXTREMES
 
 #: Distance over the follower's length within which the slider counts as at a gauge: half of one of sixteen elements.
 KINK: Final = 1.0 / 32.0

@@ -6,17 +6,17 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final
 
-from quickreturn.cases.case import Case
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.files.shown import Unit, Units
+from quickreturn.cases.files.units import in_si
 from quickreturn.cases.loads import UNITS, Factor, Loads, Resonance, loads_of_run, resonance, share_of, shift_of_motion
-from quickreturn.cases.measures.number import Number
-from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.shown import Unit, Units
-from quickreturn.cases.units import in_si
+from quickreturn.cases.motion.endings import Ending
+from quickreturn.cases.motion.number import Number
 from quickreturn.reports.words import TIED, degrees, number, off_by, percent, quantity, size
 
 if TYPE_CHECKING:
-    from quickreturn.cases.runs.comparison import CaseResult
-    from quickreturn.cases.runs.request import Run
+    from quickreturn.cases.comparison.engines import CaseResult
+    from quickreturn.cases.motion.request import Run
 
 #: Number -> its name in the page.
 NAMES: Final = {
@@ -87,7 +87,7 @@ class CaseLoads:
     @property
     def lead(self) -> str:
         """The engine whose numbers are shown: `reference`, or else the first that gives a stress; "" if none does, or if it is zero."""
-        from quickreturn.cases.runs.comparison import REFERENCE  # the loads of a single trajectory need no comparison
+        from quickreturn.cases.comparison.engines import REFERENCE  # the loads of a single trajectory need no comparison
 
         stressed = [name for name, loads in self.loads.items() if loads.stress is not None and loads.stress.largest.value > 0.0]
         return REFERENCE if REFERENCE in stressed else next(iter(stressed), "")
@@ -164,7 +164,7 @@ def _missed(run: "Run") -> str:
 
 def leading_loads(result: "CaseResult") -> CaseLoads:
     """The loads of a case by the leading engine alone."""
-    from quickreturn.cases.runs.comparison import REFERENCE
+    from quickreturn.cases.comparison.engines import REFERENCE
 
     mechanism, names = result.case.mechanism, sorted(result.runs, key=lambda name: name != REFERENCE)
     for name in names:

@@ -11,15 +11,15 @@ from typing import Final
 
 import numpy as np
 
-from quickreturn.cases.case import Case
+from quickreturn.cases.comparison.engines import REFERENCE, CaseResult
+from quickreturn.cases.files.case import Case
 from quickreturn.cases.loads import HARDLY, Resonance, resonance, share_of, share_words, shift_of_motion
-from quickreturn.cases.measures.catalogue import MEASURES, SettledMotion
-from quickreturn.cases.measures.cycle import HALVES
-from quickreturn.cases.measures.number import Number
-from quickreturn.cases.measures.quasi_static import quasi_static_strain
-from quickreturn.cases.runs.comparison import REFERENCE, CaseResult
-from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.runs.request import Run
+from quickreturn.cases.motion.catalogue import MEASURES, SettledMotion
+from quickreturn.cases.motion.cycle import HALVES
+from quickreturn.cases.motion.endings import Ending
+from quickreturn.cases.motion.number import Number
+from quickreturn.cases.motion.quasi_static import quasi_static_strain
+from quickreturn.cases.motion.request import Run
 from quickreturn.engines.relative import rms
 from quickreturn.reports.results.loads import from_p, mean_crank_speed, tension_or_compression
 from quickreturn.reports.words import TIED, counted, degrees, in_words, listed, number, off_by, percent, quantity, size

@@ -3,12 +3,12 @@
 import math
 from typing import Any, Final
 
-from quickreturn.cases.case import Case
-from quickreturn.cases.measures.catalogue import IN_TABLES, MEASURES, numbers
-from quickreturn.cases.runs.comparison import CaseResult, Difference
-from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.runs.request import Run
-from quickreturn.cases.shown import Units
+from quickreturn.cases.comparison.engines import CaseResult, Difference
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.files.shown import Units
+from quickreturn.cases.motion.catalogue import IN_TABLES, MEASURES, numbers
+from quickreturn.cases.motion.endings import Ending
+from quickreturn.cases.motion.request import Run
 from quickreturn.reports.results.engine_differences import outward
 from quickreturn.reports.tables.table import Cell, Column
 from quickreturn.reports.words import HALF, QUANTITY, case_label, channel_name, quantity

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import TYPE_CHECKING, Any, Final, Literal
 
-from quickreturn.cases.shown import Unit, Units
+from quickreturn.cases.files.shown import Unit, Units
 from quickreturn.reports.words import number, per_unit
 
 if TYPE_CHECKING:

@@ -11,17 +11,17 @@ import pytest
 from numpy.typing import NDArray
 from scipy.special import gamma
 
-from quickreturn.cases.case import written_document
-from quickreturn.cases.case_file import load_case
-from quickreturn.cases.jobs.key import hash_of
+from quickreturn.cases.files.case import written_document
+from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.files.written import as_toml
 from quickreturn.cases.library import library_case
 from quickreturn.cases.loads.drive import EXPONENTS, HARMONICS, equivalent_load
-from quickreturn.cases.measures.catalogue import MEASURES, numbers
-from quickreturn.cases.measures.number import Number
-from quickreturn.cases.measures.of_turn import OF_TURN
-from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.runs.request import Run
-from quickreturn.cases.text.written import as_toml
+from quickreturn.cases.motion.catalogue import MEASURES, numbers
+from quickreturn.cases.motion.endings import Ending
+from quickreturn.cases.motion.number import Number
+from quickreturn.cases.motion.of_turn import OF_TURN
+from quickreturn.cases.motion.request import Run
+from quickreturn.cases.running.key import hash_of
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
 from quickreturn.plugins.studies.sweep.rows import MeasureRequest, row

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from quickreturn.cases.case_file import load_case
-from quickreturn.cases.jobs.key import hash_of
+from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.loads import loads_of, resonance, share_of
 from quickreturn.cases.loads.arm import KnownMoments, between, interpolated, known_moments, left_out, missing
 from quickreturn.cases.loads.axial import axial_forces
 from quickreturn.cases.loads.stress import arm_stress, safety, section_modulus
-from quickreturn.cases.measures.number import Number
+from quickreturn.cases.motion.number import Number
+from quickreturn.cases.running.key import hash_of
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
 from quickreturn.reference_model.columns import MOMENTS

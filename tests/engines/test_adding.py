@@ -40,7 +40,7 @@ print(json.dumps({
 ASK = """
 import json
 import quickreturn as qr
-from quickreturn.cases.jobs.key import version_of
+from quickreturn.cases.running.key import version_of
 from quickreturn.engines.registry import engine_names, own_engines
 
 case = qr.case("thesis-24").with_({"simulation.duration": "0.1 s", "simulation.output_step": "10 ms"})

@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from quickreturn.cases.case_file import load_case
+from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.loads.arm import known_moments
 from quickreturn.cases.loads.axial import axial_forces
 from quickreturn.engines.accurate import simulate

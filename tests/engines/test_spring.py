@@ -9,8 +9,8 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import quad
 
-from quickreturn.cases.case_file import load_case
-from quickreturn.cases.measures.balances import Balances
+from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.motion.balances import Balances
 from quickreturn.engines.accurate import Result, simulate
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import engine, usable_engine

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from quickreturn.cases.case_file import load_case
-from quickreturn.cases.measures.catalogue import MEASURES, SettledMotion
-from quickreturn.cases.recorded import table_of
-from quickreturn.cases.runs.request import RunRequest
-from quickreturn.cases.runs.steady_state import steady_state
+from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.files.recorded import table_of
+from quickreturn.cases.motion.catalogue import MEASURES, SettledMotion
+from quickreturn.cases.motion.request import RunRequest
+from quickreturn.cases.motion.steady_state import steady_state
 from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.one_run import run_once

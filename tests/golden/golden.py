@@ -18,14 +18,14 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from quickreturn.cases.case_file import load_case
-from quickreturn.cases.jobs.job import Job, Limits
-from quickreturn.cases.jobs.processes import LocalProcesses
-from quickreturn.cases.jobs.store import Store
-from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.comparison.campaign import carry_out
+from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.library import case_names
-from quickreturn.cases.runs.campaign import carry_out
-from quickreturn.cases.runs.request import Run, RunRequest
+from quickreturn.cases.motion.request import Run, RunRequest
+from quickreturn.cases.running.job import Job, Limits
+from quickreturn.cases.running.processes import LocalProcesses
+from quickreturn.cases.running.store import Store
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.base import EngineFailure, Refusal
 from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.registry import MAIN, engine

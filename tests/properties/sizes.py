@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
-from quickreturn.cases.keys import dimension_of
-from quickreturn.cases.units import DIMENSIONS
+from quickreturn.cases.files.keys import dimension_of
+from quickreturn.cases.files.units import DIMENSIONS
 from quickreturn.engines.settings import Settings
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reference_model.mechanism import Scene

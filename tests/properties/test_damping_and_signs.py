@@ -7,7 +7,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 import quickreturn as qr
-from quickreturn.cases.case import Case
+from quickreturn.cases.files.case import Case
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 
 #: A weight that begins to act sets the follower swinging; the crank hardly turns.

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 from hypothesis import strategies as st
 
-from quickreturn.cases.keys import dimension_of
+from quickreturn.cases.files.keys import dimension_of
 from quickreturn.engines.base import EngineFailure
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from quickreturn.reference_model.scene_values import scene_of, values_of

@@ -7,10 +7,10 @@ from typing import Any
 
 import pytest
 
-from quickreturn.cases import units
-from quickreturn.cases.case import Case, parse_case
-from quickreturn.cases.keys import dimension_of
-from quickreturn.cases.units import Dimension
+from quickreturn.cases.files import units
+from quickreturn.cases.files.case import Case, parse_case
+from quickreturn.cases.files.keys import dimension_of
+from quickreturn.cases.files.units import Dimension
 from quickreturn.reference_model.scene_values import values_of
 from tests.properties.law import for_all
 from tests.properties.runs import COMPLIANT, EXPLICIT, REFERENCE, STEPS_ADD_UP, TOLERANCE, Method, assert_close

@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import pytest
 
-from quickreturn.cases.jobs.job import Job
-from quickreturn.cases.jobs.processes import LocalProcesses
-from quickreturn.cases.jobs.store import VARIABLE
+from quickreturn.cases.running.job import Job
+from quickreturn.cases.running.processes import LocalProcesses
+from quickreturn.cases.running.store import VARIABLE
 from quickreturn.command_line import main
 from tests.engines.fake_package import FAKE_ENGINE, install
 

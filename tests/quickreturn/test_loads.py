@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import quickreturn as qr
+from quickreturn.cases.files.printable import in_lines
 from quickreturn.cases.loads import loads_of_run
-from quickreturn.cases.printable import in_lines
 from quickreturn.cross_validation import CrossValidation
 from quickreturn.reports.output import plain
 from quickreturn.verdict_text import as_document, parts_of

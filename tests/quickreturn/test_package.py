@@ -309,7 +309,7 @@ def busy() -> None:
 def test_the_person_who_waits_for_a_compiler_is_told_once(
     call: Callable[..., object], place: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    display = "quickreturn.cases.jobs.display"
+    display = "quickreturn.cases.running.display"
     monkeypatch.setattr(f"{display}.COMPILING_AFTER", 0.05)
     monkeypatch.setattr(f"{display}.LOOK_INTERVAL", 0.01)
     for engine, quiet, messages in (

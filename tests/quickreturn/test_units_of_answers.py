@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from quickreturn.cases.printable import in_lines
-from quickreturn.cases.runs.comparison import CaseResult
+from quickreturn.cases.comparison.engines import CaseResult
+from quickreturn.cases.files.printable import in_lines
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.results.loads import loads_of_case
 from quickreturn.verdict_text import parts_of

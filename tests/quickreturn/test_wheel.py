@@ -50,7 +50,7 @@ from typing import assert_type
 import numpy as np
 from numpy.typing import NDArray
 import quickreturn as qr
-from quickreturn.cases.runs.request import Run
+from quickreturn.cases.motion.request import Run
 from quickreturn.engines.accurate import Result
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reports.words import percent
@@ -74,9 +74,9 @@ assert_type(shown, str)
 #: Puts a verification into the store, as `make verify` does.
 VERIFICATION = """
 import json
-from quickreturn.cases.jobs.key import code_fingerprint
-from quickreturn.cases.jobs.store import Store
-from quickreturn.cases.whole_file import write_atomically
+from quickreturn.cases.running.key import code_fingerprint
+from quickreturn.cases.running.store import Store
+from quickreturn.cases.files.whole_file import write_atomically
 from quickreturn.reports.verification import FILE, PARTS
 chapter = {"title": "Faults", "text": "All of it survived.", "columns": ["fault", "share"], "rows": [["disk full", 0.5]]}
 document = {"code": code_fingerprint(PARTS), "date": "today", "chapters": [chapter]}

@@ -6,11 +6,11 @@ import random
 import numpy as np
 import pytest
 
-from quickreturn.cases.case import parse_case
-from quickreturn.cases.errors import CaseError
+from quickreturn.cases.files.case import parse_case
+from quickreturn.cases.files.errors import CaseError
 from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.follower import section_of
-from tests.cases.scene_texts import SCENE
+from tests.cases.files.scene_texts import SCENE
 
 MM = 1e-3
 SECTIONS = {

@@ -4,7 +4,7 @@ import dataclasses
 
 from quickreturn.cases.loads import Factor, Resonance
 from quickreturn.cases.loads.fatigue import Fatigue
-from quickreturn.cases.measures.number import Number
+from quickreturn.cases.motion.number import Number
 from quickreturn.reports.results.loads import CaseLoads, loads_of_case
 from tests.reports.reported_results import reported_result
 

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
-from quickreturn.cases.runs.comparison import CaseResult
+from quickreturn.cases.comparison.engines import CaseResult
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.content import Content

@@ -7,16 +7,16 @@ from typing import Any
 
 import numpy as np
 
-from quickreturn.cases.case import Case
-from quickreturn.cases.case_file import load_case
-from quickreturn.cases.measures.consensus import Consensus
-from quickreturn.cases.measures.cycle import ChannelMeasures
-from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.recorded import RecordedTable
-from quickreturn.cases.runs.comparison import CaseResult, compare
-from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.runs.recorded import recorded_run
-from quickreturn.cases.runs.request import Run
+from quickreturn.cases.comparison.engines import CaseResult, compare
+from quickreturn.cases.comparison.tables import recorded_run
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.files.recorded import RecordedTable
+from quickreturn.cases.motion.consensus import Consensus
+from quickreturn.cases.motion.cycle import ChannelMeasures
+from quickreturn.cases.motion.endings import Ending
+from quickreturn.cases.motion.request import Run
+from quickreturn.cases.motion.time_scale import CHANNELS
 from quickreturn.engines.trajectory import OPTIONAL, REQUIRED
 from quickreturn.reference_model.columns import MOMENTS, SHAPE
 from quickreturn.reference_model.mechanism import Mechanism

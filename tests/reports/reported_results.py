@@ -3,9 +3,9 @@
 import dataclasses
 from html.parser import HTMLParser
 
-from quickreturn.cases.measures.cycle import EXTREMES, HALVES
-from quickreturn.cases.runs.comparison import CaseResult, Difference, compare
-from quickreturn.cases.runs.request import PeriodicOrbit
+from quickreturn.cases.comparison.engines import CaseResult, Difference, compare
+from quickreturn.cases.motion.cycle import EXTREMES, HALVES
+from quickreturn.cases.motion.request import PeriodicOrbit
 from tests.reports.plotted_results import made_up_result, with_run
 
 DEGREES_OF_FREEDOM = {"thesis": 3, "reference": 17, "exudyn": 70, "mujoco": 20}

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from quickreturn.cases.case_file import load_case
-from quickreturn.cases.jobs.key import code_fingerprint
-from quickreturn.cases.jobs.processes import LocalProcesses
-from quickreturn.cases.jobs.store import Store
-from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.running.key import code_fingerprint
+from quickreturn.cases.running.processes import LocalProcesses
+from quickreturn.cases.running.store import Store
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.plugins.conform.records import verdicts
 from quickreturn.plugins.methods.tests.made_up_benchmark import made_up_benchmark
 from quickreturn.plugins.methods.tests.made_up_studies import made_up_studies
@@ -27,7 +27,7 @@ from quickreturn.reports.page.render import report_page
 from quickreturn.reports.report import CATALOGUE, PAGE, write, write_report
 from quickreturn.reports.tables.table import Table
 from quickreturn.reports.verification import FILE, PARTS, verification
-from tests.cases.scene_texts import SCENE
+from tests.cases.files.scene_texts import SCENE
 from tests.reports import pages
 from tests.reports.conftest import Call
 from tests.reports.pages import content_of

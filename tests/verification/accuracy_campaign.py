@@ -27,12 +27,12 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from quickreturn.cases.case_file import load_case
-from quickreturn.cases.jobs.job import Job
-from quickreturn.cases.jobs.processes import LocalProcesses
-from quickreturn.cases.jobs.store import Store
-from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.library import case_names
+from quickreturn.cases.running.job import Job
+from quickreturn.cases.running.processes import LocalProcesses
+from quickreturn.cases.running.store import Store
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.accurate import Result as Accurate
 from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import AnyEngine, EngineFailure, Refusal

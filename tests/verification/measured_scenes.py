@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import cumulative_simpson
 
-from quickreturn.cases.measures.time_scale import TimeScale, time_scale
+from quickreturn.cases.motion.time_scale import TimeScale, time_scale
 from tests.verification.measures_accuracy import thesis_scene
 
 Array = NDArray[np.float64]

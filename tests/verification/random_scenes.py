@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 from numpy.random import Generator
 
-from quickreturn.cases.case import Case
+from quickreturn.cases.files.case import Case
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings

@@ -5,7 +5,7 @@ import math
 from typing import Final
 
 from quickreturn.cases.loads import loads_of
-from quickreturn.cases.measures.number import Number
+from quickreturn.cases.motion.number import Number
 from quickreturn.engines.accurate import simulate
 from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.start import standard_start

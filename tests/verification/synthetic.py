@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import cumulative_simpson
 
-from quickreturn.cases.measures.time_scale import TimeScale
+from quickreturn.cases.motion.time_scale import TimeScale
 
 Array = NDArray[np.float64]
 

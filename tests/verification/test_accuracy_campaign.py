@@ -10,11 +10,11 @@ import pandas as pd
 import pytest
 
 import tests.verification.accuracy_campaign
-from quickreturn.cases.jobs.job import Job, Outcome
-from quickreturn.cases.jobs.processes import LocalProcesses
-from quickreturn.cases.jobs.store import Store
-from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.library import case_names
+from quickreturn.cases.running.job import Job, Outcome
+from quickreturn.cases.running.processes import LocalProcesses
+from quickreturn.cases.running.store import Store
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.base import Refusal
 from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings

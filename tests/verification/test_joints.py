@@ -9,18 +9,18 @@ from typing import Any, Final
 import numpy as np
 import pytest
 
-from quickreturn.cases.case import Case
-from quickreturn.cases.jobs.isolation import STOPPED
-from quickreturn.cases.jobs.job import default_limits
-from quickreturn.cases.jobs.processes import LocalProcesses
-from quickreturn.cases.jobs.store import Store
-from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.comparison.campaign import cross_validate
+from quickreturn.cases.comparison.engines import CaseResult, Difference
+from quickreturn.cases.files.case import Case
 from quickreturn.cases.library import library_case
 from quickreturn.cases.library.thesis.runs import run_name
-from quickreturn.cases.runs.campaign import cross_validate
-from quickreturn.cases.runs.comparison import CaseResult, Difference
-from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.runs.request import Run
+from quickreturn.cases.motion.endings import Ending
+from quickreturn.cases.motion.request import Run
+from quickreturn.cases.running.isolation import STOPPED
+from quickreturn.cases.running.job import default_limits
+from quickreturn.cases.running.processes import LocalProcesses
+from quickreturn.cases.running.store import Store
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.registry import engine
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.scene_values import changed

@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from quickreturn.cases.case import Case
-from quickreturn.cases.jobs.store import Store
-from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.measures.steady_state import on_common_grid
-from quickreturn.cases.runs.campaign import cross_validate
-from quickreturn.cases.runs.comparison import CaseResult
-from quickreturn.cases.runs.marching import channels_of
-from quickreturn.cases.runs.request import Run
+from quickreturn.cases.comparison.campaign import cross_validate
+from quickreturn.cases.comparison.engines import CaseResult
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.motion.marching import channels_of
+from quickreturn.cases.motion.request import Run
+from quickreturn.cases.motion.settling import on_common_grid
+from quickreturn.cases.running.store import Store
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.relative import rms
 from quickreturn.reference_model.natural_modes import stiffness_ratio
 from quickreturn.reference_model.rigid import crank_pace

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from quickreturn.cases.loads import loads_of
-from quickreturn.cases.measures.number import Number
+from quickreturn.cases.motion.number import Number
 from quickreturn.engines.own.reference import ReferenceEngine
 from quickreturn.engines.start import standard_start
 from quickreturn.reference_model.mechanism import Mechanism

@@ -17,8 +17,8 @@ from scipy.interpolate import CubicSpline
 
 from quickreturn.cases.library import library_case
 from quickreturn.cases.loads import loads_of
-from quickreturn.cases.measures.catalogue import MEASURES
-from quickreturn.cases.runs.orbit import Curve, Orbit, PeriodicStart, find_orbit
+from quickreturn.cases.motion.catalogue import MEASURES
+from quickreturn.cases.motion.orbit import Curve, Orbit, PeriodicStart, find_orbit
 from quickreturn.engines.base import Refusal
 from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.mujoco.settings import ChainSettings

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Final
 
+from quickreturn.cases.files.document import Document
 from quickreturn.cases.library.thesis.inconsistencies import inconsistencies
 from quickreturn.cases.library.thesis.runs import RUNS, TAG, run_document, run_name, run_title
-from quickreturn.cases.text.document import Document
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Final
 
-from quickreturn.cases.case import Case, case_of
+from quickreturn.cases.files.case import Case, case_of
+from quickreturn.cases.files.document import Document
 from quickreturn.cases.library.thesis.data import read_table, read_toml
-from quickreturn.cases.text.document import Document
 from quickreturn.reference_model.scene_values import changed_values
 
 TAG: Final = "thesis"

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from quickreturn.cases.jobs.store import Store
-from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.running.store import Store
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.plugins.conform.contract import job
 from tests.engines.fake_package import FAKE_ENGINE, install
 from tests.quickreturn.conftest import Call

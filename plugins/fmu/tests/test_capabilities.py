@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import quickreturn as qr
-from quickreturn.cases.errors import CaseError
+from quickreturn.cases.files.errors import CaseError
 from quickreturn.engines.base import AnyEngine, EngineFailure, Refusal, Simulation
 from quickreturn.engines.registry import engine, usable_engine
 from quickreturn.engines.start import standard_start

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import quickreturn as qr
-from quickreturn.cases.errors import CaseError
-from quickreturn.cases.runs.orbit import begins_in_orbit
+from quickreturn.cases.files.errors import CaseError
+from quickreturn.cases.motion.orbit import begins_in_orbit
 from quickreturn.command_line import main
 from quickreturn.engines.registry import UnknownEngine, engine
 from quickreturn.plugins.fmu.tests.build import Make

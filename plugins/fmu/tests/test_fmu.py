@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import quickreturn as qr
-from quickreturn.cases.errors import CaseError
-from quickreturn.cases.text.text_file import read_text
+from quickreturn.cases.files.errors import CaseError
+from quickreturn.cases.files.text_file import read_text
 from quickreturn.command_line import main
 from quickreturn.engines.base import AnyEngine, EngineFailure, Refusal
 from quickreturn.engines.own.reference import ReferenceEngine

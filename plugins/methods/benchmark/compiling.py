@@ -12,9 +12,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from quickreturn.cases.case_file import load_case
-from quickreturn.cases.jobs.job import Job
-from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.running.job import Job
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import engine
 from quickreturn.engines.start import standard_start

@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Final
 
-from quickreturn.cases.case import Case
+from quickreturn.cases.files.case import Case
 from quickreturn.engines.registry import engine
 from quickreturn.plugins.methods.trials.methods import Plan, methods
 from quickreturn.plugins.methods.trials.queries import LEVELS, fastest_at

@@ -4,11 +4,11 @@ import dataclasses
 from collections.abc import Sequence
 from typing import Any, Final
 
-from quickreturn.cases.case import Case
-from quickreturn.cases.jobs.display import answers
-from quickreturn.cases.jobs.job import Executor, Job, Limits
-from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.solving import inputs_of
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.motion.solving import inputs_of
+from quickreturn.cases.running.display import answers
+from quickreturn.cases.running.job import Executor, Job, Limits
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.base import EngineFailure, Refusal
 from quickreturn.engines.registry import MAIN, engine
 from quickreturn.engines.settings import SettingError

@@ -7,8 +7,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from quickreturn.cases.runs.comparison import REFERENCE, CaseResult
-from quickreturn.cases.runs.endings import Ending
+from quickreturn.cases.comparison.engines import REFERENCE, CaseResult
+from quickreturn.cases.motion.endings import Ending
 from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.plugins.methods.accuracy import BothStarts, Prescribed
 from quickreturn.plugins.methods.data import studies_of

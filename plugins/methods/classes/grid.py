@@ -6,7 +6,7 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Final
 
-from quickreturn.cases.case import Case
+from quickreturn.cases.files.case import Case
 from quickreturn.plugins.methods.classes.groups import Groups, scene_of
 
 #: Values of `Groups.speed` and `Groups.tip` on the map.

@@ -4,10 +4,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Final
 
-from quickreturn.cases.jobs.isolation import STOPPED
-from quickreturn.cases.jobs.job import Job, Outcome, default_limits
-from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.solving import inputs_of
+from quickreturn.cases.motion.solving import inputs_of
+from quickreturn.cases.running.isolation import STOPPED
+from quickreturn.cases.running.job import Job, Outcome, default_limits
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.registry import MAIN, engine
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.plugins.methods.classes.grid import case_of, grid, name_of

@@ -1,7 +1,7 @@
 """Gathers the evidence for a verdict: one engine on one scene at several settings, without the right answer.
 
 The engine is asked for an accuracy as by a user (`engines.accurate.simulate`): its settings become finer until its own estimate is good
-enough. Its result is then compared with finer settings and judged by its balances (`cases.measures.balances`); while these leave a doubt, a
+enough. Its result is then compared with finer settings and judged by its balances (`cases.motion.balances`); while these leave a doubt, a
 smaller error is asked for. If the slider reaches the follower's end, the run is judged up to shortly before. With finer settings a
 numerical breakdown moves or disappears, but the end of a scene stays.
 """
@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-from quickreturn.cases.measures.balances import Balances
+from quickreturn.cases.motion.balances import Balances
 from quickreturn.engines.accurate import Result, simulate
 from quickreturn.engines.base import AnyEngine, EngineFailure, Refusal
 from quickreturn.engines.one_run import run_once

@@ -8,10 +8,10 @@ from typing import Any, Final
 
 import numpy as np
 
-from quickreturn.cases.case import Case
-from quickreturn.cases.jobs.job import Job, Outcome
-from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.measures.balances import Balances
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.motion.balances import Balances
+from quickreturn.cases.running.job import Job, Outcome
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.registry import MAIN, MODEL
 from quickreturn.engines.relative import relative_error
 from quickreturn.engines.trajectory import Columns

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from itertools import combinations
 from typing import Any, Final
 
-from quickreturn.cases.measures.balances import Balances
+from quickreturn.cases.motion.balances import Balances
 from quickreturn.engines.trajectory import Columns
 
 ACCURATE: Final = "accurate"

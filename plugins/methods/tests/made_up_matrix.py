@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from quickreturn.cases.case_file import load_case
+from quickreturn.cases.files.case_file import load_case
 from quickreturn.plugins.methods.judging.conditioning import Conditioning
 from quickreturn.plugins.methods.judging.matrix import Judged, Matrix
 from quickreturn.plugins.methods.judging.verdicts import ACCURATE, CONTRADICTED, DIVERGED, ENDED, NOT_CONVERGED, REFUSED, Verdict

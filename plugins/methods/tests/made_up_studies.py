@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from quickreturn.cases.runs.request import Run
+from quickreturn.cases.motion.request import Run
 from quickreturn.engines.own.reference import ReferenceSettings
 from quickreturn.plugins.methods.accuracy import BothStarts, Prescribed, Studies
 from quickreturn.plugins.methods.trials.trial import Trial

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from quickreturn.cases.runs.comparison import CaseResult
+from quickreturn.cases.comparison.engines import CaseResult
 from quickreturn.plugins.methods import data
 from quickreturn.reports.page.content import Content
 from tests.reports import pages

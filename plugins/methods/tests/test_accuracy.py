@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from quickreturn.cases.case_file import load_case
-from quickreturn.cases.jobs.in_process import Nobody
-from quickreturn.cases.jobs.store import Store
-from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.running.in_process import Nobody
+from quickreturn.cases.running.store import Store
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.registry import MAIN
 from quickreturn.plugins.methods.accuracy import convergence, run_studies, work

@@ -14,9 +14,9 @@ MODULE = '''"""The coarsest settings of exudyn against its finest, in the first 
 
 from dataclasses import replace
 
-from quickreturn.cases.case_file import load_case
-from quickreturn.cases.jobs.job import Job
-from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.running.job import Job
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.plugins.methods.trials.methods import methods
 from quickreturn.plugins.methods.trials.trial import Trial, run_of, trial_of
 
@@ -38,8 +38,8 @@ def trials(name: str) -> list[Trial]:
 #: Records the study as `python -m quickreturn.record coarse` does, without processes beside.
 RECORD = """
 from quickreturn import record
-from quickreturn.cases.jobs.in_process import ThisProcess
-from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.running.in_process import ThisProcess
+from quickreturn.cases.running.workshop import Workshop
 record.Workshop = lambda store: Workshop(store, ThisProcess())
 record.main(["coarse"])
 """

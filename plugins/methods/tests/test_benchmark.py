@@ -10,12 +10,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from quickreturn.cases.case import Case
-from quickreturn.cases.case_file import load_case
-from quickreturn.cases.jobs.job import Job, Limits, Outcome
-from quickreturn.cases.jobs.processes import LocalProcesses
-from quickreturn.cases.jobs.store import Store
-from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.running.job import Job, Limits, Outcome
+from quickreturn.cases.running.processes import LocalProcesses
+from quickreturn.cases.running.store import Store
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.registry import UnknownEngine
 from quickreturn.plugins.methods.benchmark import SCENES, Benchmark, compiling, measure, measurement, stored

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
-from quickreturn.cases.case import Case
+from quickreturn.cases.files.case import Case
 from quickreturn.engines.base import AnyEngine
 from quickreturn.engines.registry import engine
 from quickreturn.engines.settings import Settings

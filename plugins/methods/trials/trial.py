@@ -12,7 +12,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from quickreturn.cases.case import Case
+from quickreturn.cases.files.case import Case
 from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import AnyEngine, EngineFailure, Refusal
 from quickreturn.engines.error_parts import ESTIMATED

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
-from quickreturn.cases.case import Case
+from quickreturn.cases.files.case import Case
 from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.registry import engine
 from quickreturn.engines.relative import rms

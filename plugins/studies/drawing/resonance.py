@@ -6,7 +6,7 @@ from typing import Final
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from quickreturn.cases.shown import Units
+from quickreturn.cases.files.shown import Units
 from quickreturn.plugins.studies.drawing.axis_labels import key_words, measure_words
 from quickreturn.plugins.studies.resonance_curve.curve import ResonanceCurve
 from quickreturn.plugins.studies.resonance_curve.search import OF_CURVE

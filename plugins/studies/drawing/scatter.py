@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
-from quickreturn.cases.measures.catalogue import MEASURES
+from quickreturn.cases.motion.catalogue import MEASURES
 from quickreturn.plugins.studies.drawing.axis_labels import key_words, measure_words
 from quickreturn.plugins.studies.uncertainty.scatter import Scatter, Share
 from quickreturn.reports.drawing.curves import PANEL, WIDE

@@ -17,9 +17,9 @@ from matplotlib.path import Path
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from quickreturn.cases.measures.catalogue import MEASURES
-from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.runs.stability import NOT_CONVERGED, UNSTABLE
+from quickreturn.cases.motion.catalogue import MEASURES
+from quickreturn.cases.motion.endings import Ending
+from quickreturn.cases.motion.stability import NOT_CONVERGED, UNSTABLE
 from quickreturn.plugins.studies.drawing.axis_labels import key_words, measure_words
 from quickreturn.plugins.studies.resonance_curve.range import SPEED
 from quickreturn.plugins.studies.sweep.grid import Axis

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 from quickreturn import descriptions
 from quickreturn.arguments import AnyCase, one_case
-from quickreturn.cases.errors import texts_given
-from quickreturn.cases.jobs.job import Job, Limits
-from quickreturn.cases.text.number_rows import Form
+from quickreturn.cases.files.errors import texts_given
+from quickreturn.cases.files.number_rows import Form
+from quickreturn.cases.running.job import Job, Limits
 from quickreturn.plugins.studies.uncertainty import calibration
 from quickreturn.plugins.studies.uncertainty.calibration import frees_of
 from quickreturn.plugins.studies.uncertainty.fit import Fit

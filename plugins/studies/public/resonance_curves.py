@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from quickreturn.arguments import AnyCase, one_case
-from quickreturn.cases.case import Case
-from quickreturn.cases.errors import CaseError, as_written, texts_given
-from quickreturn.cases.jobs.display import compilation_announced
-from quickreturn.cases.keys import PATHS, si_value
-from quickreturn.cases.printable import Cell, Printable, Rows
-from quickreturn.cases.shown import Unit
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.files.errors import CaseError, as_written, texts_given
+from quickreturn.cases.files.keys import PATHS, si_value
+from quickreturn.cases.files.printable import Cell, Printable, Rows
+from quickreturn.cases.files.shown import Unit
+from quickreturn.cases.running.display import compilation_announced
 from quickreturn.computing import checked
 from quickreturn.dataset import dataset_file, table_file
 from quickreturn.plugins.studies.around import Around

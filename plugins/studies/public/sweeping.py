@@ -11,12 +11,12 @@ import numpy as np
 
 from quickreturn import computing
 from quickreturn.arguments import AnyCase, Listing, given_settings, one_case
-from quickreturn.cases.case import Case, parse_case
-from quickreturn.cases.errors import Argument, CaseError, as_written, texts_given
-from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.keys import si_text, unit_given
-from quickreturn.cases.measures.catalogue import MEASURES, Measure, measure
-from quickreturn.cases.shown import Units
+from quickreturn.cases.files.case import Case, parse_case
+from quickreturn.cases.files.errors import Argument, CaseError, as_written, texts_given
+from quickreturn.cases.files.keys import si_text, unit_given
+from quickreturn.cases.files.shown import Units
+from quickreturn.cases.motion.catalogue import MEASURES, Measure, measure
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.computing import checked
 from quickreturn.engines.registry import usable_engine
 from quickreturn.plugins.studies.sweep.grid import ENGINE, Axis, Grid, axis, unit_of

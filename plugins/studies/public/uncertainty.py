@@ -5,13 +5,13 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from quickreturn.arguments import AnyCase, check, given_settings, one_case
-from quickreturn.cases.case import Case
-from quickreturn.cases.case_file import in_library, load_case
-from quickreturn.cases.errors import Argument, CaseError, as_written, attempted, nearest_or_all, texts_given, together
-from quickreturn.cases.keys import SECTIONS
-from quickreturn.cases.measures.catalogue import measure
-from quickreturn.cases.text.broken_toml import toml_of
-from quickreturn.cases.text.text_file import read_text
+from quickreturn.cases.files.broken_toml import toml_of
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.files.case_file import in_library, load_case
+from quickreturn.cases.files.errors import Argument, CaseError, as_written, attempted, nearest_or_all, texts_given, together
+from quickreturn.cases.files.keys import SECTIONS
+from quickreturn.cases.files.text_file import read_text
+from quickreturn.cases.motion.catalogue import measure
 from quickreturn.computing import HIGHEST, LOWEST, checked, workshop
 from quickreturn.engines.registry import engine_names, is_engine, usable_engine
 from quickreturn.plugins.studies.sweep.rows import MeasureRequest

@@ -9,8 +9,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.runs import endings
-from quickreturn.cases.runs.stability import UNSTABLE
+from quickreturn.cases.motion import endings
+from quickreturn.cases.motion.stability import UNSTABLE
 from quickreturn.plugins.studies.resonance_curve.range import Range
 
 Array = NDArray[np.float64]

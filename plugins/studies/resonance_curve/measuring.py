@@ -8,9 +8,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.measures.catalogue import MEASURES, SettledMotion
-from quickreturn.cases.measures.number import Number
-from quickreturn.cases.runs.request import Run
+from quickreturn.cases.motion.catalogue import MEASURES, SettledMotion
+from quickreturn.cases.motion.number import Number
+from quickreturn.cases.motion.request import Run
 from quickreturn.plugins.studies.resonance_curve.curve import ResonancePeak
 from quickreturn.reference_model.cycles.continuation import between
 from quickreturn.reference_model.cycles.cycle_family import CycleFamily

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import Final
 
-from quickreturn.cases.errors import CaseError, as_written, nearest_or_all
-from quickreturn.cases.keys import PATHS, si_value, unit_given
+from quickreturn.cases.files.errors import CaseError, as_written, nearest_or_all
+from quickreturn.cases.files.keys import PATHS, si_value, unit_given
 from quickreturn.plugins.studies.sweep.grid import OF_START
 
 SPEED: Final = "crank.prescribed_speed"

@@ -10,13 +10,13 @@ from typing import Final, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.case import Case
-from quickreturn.cases.errors import CaseError, nearest_or_all
-from quickreturn.cases.jobs.job import Job
-from quickreturn.cases.jobs.pieces import Pieces
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.files.errors import CaseError, nearest_or_all
+from quickreturn.cases.files.units import in_si
 from quickreturn.cases.loads.resonance import driven, resonance
-from quickreturn.cases.measures.catalogue import ARGUMENT, MEASURES, Measure
-from quickreturn.cases.units import in_si
+from quickreturn.cases.motion.catalogue import ARGUMENT, MEASURES, Measure
+from quickreturn.cases.running.job import Job
+from quickreturn.cases.running.pieces import Pieces
 from quickreturn.engines import progress
 from quickreturn.engines.base import EngineFailure, Refusal
 from quickreturn.engines.error_parts import comparison_by, counted

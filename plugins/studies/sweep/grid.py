@@ -9,14 +9,14 @@ from typing import Final
 
 import numpy as np
 
-from quickreturn.cases.case import Case
-from quickreturn.cases.errors import Argument, CaseError, as_written, nearest_or_all
-from quickreturn.cases.jobs.job import Job
-from quickreturn.cases.keys import PATHS, Written, si_value, text_of, unit_given
-from quickreturn.cases.measures.catalogue import measure
-from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.text.copies import in_words
-from quickreturn.cases.text.reading import changes_of
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.files.copies import in_words
+from quickreturn.cases.files.errors import Argument, CaseError, as_written, nearest_or_all
+from quickreturn.cases.files.keys import PATHS, Written, si_value, text_of, unit_given
+from quickreturn.cases.files.reading import changes_of
+from quickreturn.cases.motion.catalogue import measure
+from quickreturn.cases.motion.endings import Ending
+from quickreturn.cases.running.job import Job
 from quickreturn.engines.registry import engine, engine_names, is_engine
 from quickreturn.plugins.studies.sweep.rows import OPEN, Impossible, MeasureRequest, Row, row
 from quickreturn.reference_model.errors import ImpossibleMechanism

@@ -15,16 +15,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.cases.loads.drive import crank_damping
-from quickreturn.cases.measures.catalogue import SettledMotion, measure
-from quickreturn.cases.measures.cycle import measure_cycle
-from quickreturn.cases.measures.time_scale import CHANNELS, time_scale
-from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.runs.estimates import MOTION, MeasuredCycle, MeasuredNumbers
-from quickreturn.cases.runs.marching import output_step
-from quickreturn.cases.runs.orbit import compared_orbits, orbit_of, periodic_state, stability_of
-from quickreturn.cases.runs.request import Approach, Computation, PeriodicOrbit, Run, RunRequest
-from quickreturn.cases.runs.stability import NOT_CONVERGED, multiplier_of, nearly_one
-from quickreturn.cases.runs.steady_state import steady_state
+from quickreturn.cases.motion.catalogue import SettledMotion, measure
+from quickreturn.cases.motion.cycle import measure_cycle
+from quickreturn.cases.motion.endings import Ending
+from quickreturn.cases.motion.estimates import MOTION, MeasuredCycle, MeasuredNumbers
+from quickreturn.cases.motion.marching import output_step
+from quickreturn.cases.motion.orbit import compared_orbits, orbit_of, periodic_state, stability_of
+from quickreturn.cases.motion.request import Approach, Computation, PeriodicOrbit, Run, RunRequest
+from quickreturn.cases.motion.stability import NOT_CONVERGED, multiplier_of, nearly_one
+from quickreturn.cases.motion.steady_state import steady_state
+from quickreturn.cases.motion.time_scale import CHANNELS, time_scale
 from quickreturn.engines import progress
 from quickreturn.engines.base import EngineFailure, NoSteadyState, Refusal
 from quickreturn.engines.error_parts import Compared
@@ -36,7 +36,7 @@ from quickreturn.reference_model.mechanism import Mechanism
 
 Array = NDArray[np.float64]
 
-#: Statuses of points besides those of runs and of `cases.runs.stability`.
+#: Statuses of points besides those of runs and of `cases.motion.stability`.
 LEFT: Final = "slider left"
 OPEN: Final = "loop cannot close"
 #: Status of a run -> status of its point, if that is a different word.

@@ -8,11 +8,11 @@ from typing import Any, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.jobs.isolation import STOPPED
-from quickreturn.cases.jobs.job import Job, Outcome
-from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.measures.catalogue import measure
-from quickreturn.cases.runs.endings import Ending
+from quickreturn.cases.motion.catalogue import measure
+from quickreturn.cases.motion.endings import Ending
+from quickreturn.cases.running.isolation import STOPPED
+from quickreturn.cases.running.job import Job, Outcome
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.plugins.studies.sweep.grid import Grid, job
 from quickreturn.plugins.studies.sweep.rows import MeasureRequest, Row
 

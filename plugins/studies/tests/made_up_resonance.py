@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from quickreturn.cases.case_file import load_case
+from quickreturn.cases.files.case_file import load_case
 from quickreturn.plugins.studies.around import Around
 from quickreturn.plugins.studies.resonance_curve.curve import ResonanceCurve, ResonancePeak, SpecialPoint
 from quickreturn.plugins.studies.resonance_curve.range import SPEED, Range

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import quickreturn as qr
-from quickreturn.cases.jobs.key import key_of
-from quickreturn.cases.jobs.pieces import Pieces
-from quickreturn.cases.jobs.records import encoded
+from quickreturn.cases.running.key import key_of
+from quickreturn.cases.running.pieces import Pieces
+from quickreturn.cases.running.records import encoded
 from quickreturn.plugins.studies.resonance_curve.range import Range, range_of
 from quickreturn.plugins.studies.resonance_curve.search import _followed, job
 from quickreturn.reference_model.cycles.cycle_family import CycleFamily

@@ -14,8 +14,8 @@ import xarray as xr
 from matplotlib.text import Text
 
 import quickreturn as qr
-from quickreturn.cases.jobs.key import key_of
-from quickreturn.cases.shown import Unit
+from quickreturn.cases.files.shown import Unit
+from quickreturn.cases.running.key import key_of
 from quickreturn.plugins.studies.around import Around
 from quickreturn.plugins.studies.public.resonance_curves import Resonance
 from quickreturn.plugins.studies.resonance_curve.curve import MULTIPLIER_TOLERANCE, ResonancePeak, SpecialPoint

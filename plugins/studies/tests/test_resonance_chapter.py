@@ -9,12 +9,12 @@ from pathlib import Path
 import pytest
 
 import quickreturn as qr
-from quickreturn.cases.case_file import load_case
-from quickreturn.cases.jobs.job import Job, Limits, Outcome, Watch
-from quickreturn.cases.jobs.store import Store
-from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.measures.catalogue import MEASURES
-from quickreturn.cases.shown import METRIC
+from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.files.shown import METRIC
+from quickreturn.cases.motion.catalogue import MEASURES
+from quickreturn.cases.running.job import Job, Limits, Outcome, Watch
+from quickreturn.cases.running.store import Store
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.base import EngineFailure
 from quickreturn.plugins.studies.around import Around, around_of, curves_around, motion_sentences, near_words
 from quickreturn.plugins.studies.chapters.resonance import finding, plot

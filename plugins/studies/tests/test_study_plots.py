@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from matplotlib.patches import PathPatch
 
-from quickreturn.cases.case_file import load_case
-from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.runs.stability import UNSTABLE
+from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.motion.endings import Ending
+from quickreturn.cases.motion.stability import UNSTABLE
 from quickreturn.plugins.studies.drawing.study import ENDINGS, draw, drawable
 from quickreturn.plugins.studies.public.sweeping import dataset_of, summary
 from quickreturn.plugins.studies.sweep.grid import Grid, axis

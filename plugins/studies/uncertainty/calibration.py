@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from scipy import stats
 from scipy.optimize import least_squares
 
-from quickreturn.cases.case import Case
-from quickreturn.cases.errors import Argument, CaseError, as_written
-from quickreturn.cases.keys import si_text, unit_given
-from quickreturn.cases.recorded import RecordedTable
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.files.errors import Argument, CaseError, as_written
+from quickreturn.cases.files.keys import si_text, unit_given
+from quickreturn.cases.files.recorded import RecordedTable
 from quickreturn.engines.base import EngineFailure, NoSteadyState, Refusal
 from quickreturn.engines.error_parts import comparison_by, counted
 from quickreturn.engines.own.reference import ReferenceSettings

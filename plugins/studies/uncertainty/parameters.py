@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from scipy import stats
 from scipy.special import eval_hermitenorm, eval_legendre, factorial
 
-from quickreturn.cases.errors import CaseError, as_written, nearest_or_all
-from quickreturn.cases.keys import PATHS, PLUS_MINUS, si_value, toleranced
-from quickreturn.cases.units import QuantityError, plain_number
+from quickreturn.cases.files.errors import CaseError, as_written, nearest_or_all
+from quickreturn.cases.files.keys import PATHS, PLUS_MINUS, si_value, toleranced
+from quickreturn.cases.files.units import QuantityError, plain_number
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.quantities import Quantity
 from quickreturn.reference_model.scene_values import Value, values_of

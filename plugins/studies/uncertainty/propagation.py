@@ -11,11 +11,11 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.case import Case
-from quickreturn.cases.errors import CaseError
-from quickreturn.cases.jobs.job import Job
-from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.measures.catalogue import measure
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.files.errors import CaseError
+from quickreturn.cases.motion.catalogue import measure
+from quickreturn.cases.running.job import Job
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.plugins.studies.sweep.grid import OF_START, job
 from quickreturn.plugins.studies.sweep.rows import MeasureRequest, Row
 from quickreturn.plugins.studies.sweep.study import computed, joined

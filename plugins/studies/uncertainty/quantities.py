@@ -7,10 +7,10 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.case import Case
-from quickreturn.cases.errors import CaseError
-from quickreturn.cases.recorded import RecordedTable
-from quickreturn.cases.runs.column_differences import LEAST_DIFFERENCE
+from quickreturn.cases.comparison.column_differences import LEAST_DIFFERENCE
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.files.errors import CaseError
+from quickreturn.cases.files.recorded import RecordedTable
 from quickreturn.engines.base import EngineFailure, NoSteadyState, Refusal
 from quickreturn.engines.relative import rms
 from quickreturn.plugins.studies.uncertainty.calibration import Free, Search

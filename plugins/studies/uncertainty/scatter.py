@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.case import Case
-from quickreturn.cases.measures.catalogue import measure
-from quickreturn.cases.printable import Cell, Printable, Rows
-from quickreturn.cases.runs.endings import Ending
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.files.printable import Cell, Printable, Rows
+from quickreturn.cases.motion.catalogue import measure
+from quickreturn.cases.motion.endings import Ending
 from quickreturn.plugins.studies.uncertainty.chaos import DRAWN, HALF_WIDTH, SEED, Surrogate
 from quickreturn.plugins.studies.uncertainty.parameters import Distribution, Parameter
 

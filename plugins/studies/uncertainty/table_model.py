@@ -7,13 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from quickreturn.cases.case import Case
-from quickreturn.cases.errors import CaseError
-from quickreturn.cases.recorded import RecordedTable
-from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.runs.marching import output_step, periodic_cycle
-from quickreturn.cases.runs.recorded import recorded_run
-from quickreturn.cases.runs.request import STANDARD
+from quickreturn.cases.comparison.tables import recorded_run
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.files.errors import CaseError
+from quickreturn.cases.files.recorded import RecordedTable
+from quickreturn.cases.motion.endings import Ending
+from quickreturn.cases.motion.marching import output_step, periodic_cycle
+from quickreturn.cases.motion.request import STANDARD
 from quickreturn.engines.base import NoSteadyState
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from quickreturn.cases.runs.comparison import REFERENCE, CaseResult
+from quickreturn.cases.comparison.engines import REFERENCE, CaseResult
 from quickreturn.engines.registry import MODEL, own_engines
 from quickreturn.plugins.thesis.axes import COLUMNS, AxisComparison, axis_comparisons, fits_worse, measured_alone, ratios_of
 from quickreturn.plugins.thesis.experiment import channel_is_usable, measured_crank_speed

@@ -6,9 +6,9 @@ from typing import Final
 
 import numpy as np
 
-from quickreturn.cases.measures.cycle import HALVES
-from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.runs.comparison import CaseResult, Difference, Kind
+from quickreturn.cases.comparison.engines import CaseResult, Difference, Kind
+from quickreturn.cases.motion.cycle import HALVES
+from quickreturn.cases.motion.time_scale import CHANNELS
 from quickreturn.engines.registry import MODEL
 from quickreturn.plugins.thesis.axes import axis_comparisons, fits_worse
 from quickreturn.plugins.thesis.conclusions import HOLDS, IN_PART, NOT, OUTCOMES, SAME_EFFECT, Conclusion

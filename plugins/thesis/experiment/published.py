@@ -3,9 +3,9 @@
 import functools
 from dataclasses import dataclass
 
+from quickreturn.cases.files.units import in_si
 from quickreturn.cases.library.thesis.data import read_table
 from quickreturn.cases.library.thesis.runs import RUNS
-from quickreturn.cases.units import in_si
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from itertools import product
 from pathlib import Path
 from typing import Final
 
-from quickreturn.cases.errors import CaseError, path_shown
-from quickreturn.cases.recorded import DECLARATIONS, RecordedTable, read_table
+from quickreturn.cases.files.errors import CaseError, path_shown
+from quickreturn.cases.files.recorded import DECLARATIONS, RecordedTable, read_table
 
 #: Environment variable with the folder of recordings, in place of the project's own.
 FOLDER_VARIABLE: Final = "QUICKRETURN_CURVES"

@@ -6,9 +6,9 @@ from typing import Final
 
 import numpy as np
 
+from quickreturn.cases.files.units import in_si
 from quickreturn.cases.library.thesis.data import read_toml
 from quickreturn.cases.library.thesis.runs import run_case
-from quickreturn.cases.units import in_si
 
 #: Young's modulus of common wrought aluminium alloys, Pa: 6061 and 2024, 10.0 and 10.6 million psi.
 ALUMINIUM: Final = (10.0e6 * in_si("psi"), 10.6e6 * in_si("psi"))

@@ -5,9 +5,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
+from quickreturn.cases.files.reading import changes_of
 from quickreturn.cases.library.thesis.data import read_toml
 from quickreturn.cases.library.thesis.runs import run_case
-from quickreturn.cases.text.reading import changes_of
 from quickreturn.reference_model.mechanism import Mechanism
 
 FILE: Final = "effects.toml"

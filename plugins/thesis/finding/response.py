@@ -18,14 +18,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from quickreturn.cases.measures.consensus import consensus
-from quickreturn.cases.measures.cycle import HALVES
-from quickreturn.cases.measures.first_mode import FirstMode, fit_first_modes
-from quickreturn.cases.measures.half_cycle import channel_half, half_cycle
-from quickreturn.cases.measures.steady_state import Cycle
-from quickreturn.cases.measures.time_scale import CHANNELS, TimeScale, time_scale
-from quickreturn.cases.runs.marching import March, output_step, periodic_cycle
-from quickreturn.cases.runs.orbit import PeriodicStart
+from quickreturn.cases.motion.consensus import consensus
+from quickreturn.cases.motion.cycle import HALVES
+from quickreturn.cases.motion.first_mode import FirstMode, fit_first_modes
+from quickreturn.cases.motion.half_cycle import channel_half, half_cycle
+from quickreturn.cases.motion.marching import March, output_step, periodic_cycle
+from quickreturn.cases.motion.orbit import PeriodicStart
+from quickreturn.cases.motion.settling import Cycle
+from quickreturn.cases.motion.time_scale import CHANNELS, TimeScale, time_scale
 from quickreturn.engines.base import AnyEngine, EngineFailure, NoSteadyState, Refusal
 from quickreturn.engines.registry import engine as engine_of_name
 from quickreturn.engines.settings import Settings
@@ -180,7 +180,7 @@ def _first_modes(scene: Mechanism, cycles: list[Cycle]) -> dict[str, Half]:
 
 
 def _fitted(scale: TimeScale | None, half: str, cycle: Cycle) -> dict[str, FirstMode]:
-    """The first mode in one half, by channel; `cases.measures.measure_cycle` would fit both on one scale, and a second mode."""
+    """The first mode in one half, by channel; `cases.motion.cycle.measure_cycle` would fit both on one scale, and a second mode."""
     if scale is None:
         return {}
     turned = np.abs(cycle.crank_angle - cycle.crank_angle[0])

@@ -6,13 +6,13 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from quickreturn.cases.jobs.job import Job
-from quickreturn.cases.jobs.workshop import Workshop
 from quickreturn.cases.library.thesis.runs import RUNS, run_case
-from quickreturn.cases.measures.consensus import consensus
-from quickreturn.cases.measures.cycle import HALVES
-from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.runs.orbit import Orbit, orbits
+from quickreturn.cases.motion.consensus import consensus
+from quickreturn.cases.motion.cycle import HALVES
+from quickreturn.cases.motion.orbit import Orbit, orbits
+from quickreturn.cases.motion.time_scale import CHANNELS
+from quickreturn.cases.running.job import Job
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.error_parts import counted
 from quickreturn.plugins.thesis.finding.effects import PUBLISHED, Effect, effects
 from quickreturn.plugins.thesis.finding.response import Request, Response, respond

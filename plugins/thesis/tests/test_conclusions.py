@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from quickreturn.cases.measures.consensus import Consensus
-from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.runs.comparison import CaseResult, compare
+from quickreturn.cases.comparison.engines import CaseResult, compare
+from quickreturn.cases.motion.consensus import Consensus
+from quickreturn.cases.motion.time_scale import CHANNELS
 from quickreturn.plugins.thesis.axes import AxisComparison, axis_comparisons, fits_worse, measured_alone, misfit
 from quickreturn.plugins.thesis.conclusions import CANNOT_FOLLOW, HOLDS, IN_PART, NOT, UNCHECKABLE, Basis, conclusions
 from quickreturn.plugins.thesis.experiment import statements

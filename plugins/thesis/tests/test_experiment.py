@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from quickreturn.cases.errors import CaseError
+from quickreturn.cases.files.errors import CaseError
 from quickreturn.plugins.thesis.experiment import axis_labels, channel_is_usable, measured_crank_speed, statements
 from quickreturn.plugins.thesis.experiment.recordings import FOLDER_VARIABLE, experiment_tables
 

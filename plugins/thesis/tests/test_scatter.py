@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from quickreturn.cases.case_file import load_case
+from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.library.thesis.runs import RUNS
 from quickreturn.plugins.studies.sweep.rows import MeasureRequest
 from quickreturn.plugins.studies.uncertainty.propagation import Scatter, planned

@@ -4,8 +4,8 @@ import random
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from quickreturn.cases.keys import PATHS, SECTIONS, dimension_of
-from tests.cases.scene_texts import SCENE
+from quickreturn.cases.files.keys import PATHS, SECTIONS, dimension_of
+from tests.cases.files.scene_texts import SCENE
 
 Scene = dict[str, dict[str, str]]  # section -> key -> value as TOML text; the header is the section ""
 

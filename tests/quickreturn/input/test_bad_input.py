@@ -14,9 +14,9 @@ from pathlib import Path
 import click
 import pytest
 
-from quickreturn.cases.case import parse_case
-from quickreturn.cases.case_file import load_case
-from quickreturn.cases.errors import CaseError
+from quickreturn.cases.files.case import parse_case
+from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.files.errors import CaseError
 from quickreturn.command_line import commands, quickreturn
 from tests.quickreturn.conftest import Answer, Call
 from tests.quickreturn.input import mistakes

@@ -6,8 +6,8 @@ from typing import Any
 import pytest
 
 import quickreturn as qr
-from quickreturn.cases.errors import CaseError
-from quickreturn.cases.keys import PATHS
+from quickreturn.cases.files.errors import CaseError
+from quickreturn.cases.files.keys import PATHS
 from quickreturn.plugins.studies.sweep.grid import scenes_of
 from quickreturn.plugins.studies.sweep.rows import Impossible
 from quickreturn.plugins.studies.uncertainty.calibration import frees_of

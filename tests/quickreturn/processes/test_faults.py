@@ -28,9 +28,9 @@ from pathlib import Path
 
 import pytest
 
-from quickreturn.cases.case_file import load_case
-from quickreturn.cases.jobs.job import Limits
-from quickreturn.cases.jobs.processes import LocalProcesses
+from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.running.job import Limits
+from quickreturn.cases.running.processes import LocalProcesses
 from quickreturn.plugins.methods.benchmark.scenes import unsafe_engines
 from quickreturn.plugins.methods.tests.made_up_benchmark import made_up_benchmark
 from tests.engines import faulty_engines

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 import quickreturn as qr
-from quickreturn.cases.jobs.in_process import ThisProcess
-from quickreturn.cases.jobs.store import Store
-from quickreturn.cases.jobs.workshop import outcomes_of
-from quickreturn.cases.solving import TrajectoryRequest
+from quickreturn.cases.motion.solving import TrajectoryRequest
+from quickreturn.cases.running.in_process import ThisProcess
+from quickreturn.cases.running.store import Store
+from quickreturn.cases.running.workshop import outcomes_of
 from tests.engines.fake_engine import FakeEngine
 from tests.quickreturn.conftest import Call
 from tests.quickreturn.scene_file import SCENE

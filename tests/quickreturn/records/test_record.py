@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 
 from quickreturn import record as recording
-from quickreturn.cases.case_file import load_case
-from quickreturn.cases.jobs.job import Outcome
-from quickreturn.cases.jobs.store import Store
-from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.running.job import Outcome
+from quickreturn.cases.running.store import Store
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import engine
 from quickreturn.engines.settings import as_texts

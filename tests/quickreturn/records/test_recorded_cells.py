@@ -12,14 +12,14 @@ from typing import Any, Final
 
 import pytest
 
-from quickreturn.cases.case_file import load_case
-from quickreturn.cases.jobs.processes import LocalProcesses
-from quickreturn.cases.jobs.store import Store
-from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.library import catalogue
 from quickreturn.cases.library.hard import TAG
 from quickreturn.cases.library.thesis.runs import RUNS, run_case
-from quickreturn.cases.runs.orbit import orbits
+from quickreturn.cases.motion.orbit import orbits
+from quickreturn.cases.running.processes import LocalProcesses
+from quickreturn.cases.running.store import Store
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.one_run import CompletedRun
 from quickreturn.engines.registry import engine
 from quickreturn.engines.settings import as_texts

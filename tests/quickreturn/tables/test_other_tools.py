@@ -117,7 +117,7 @@ def test_the_start_that_is_printed_is_the_engines_first_row(call: Call) -> None:
 
 @pytest.mark.parametrize("case", ["thesis-24", "shaper-cutting", "hard-joint-1e5", "hard-gravity", "hard-slider-inertia", "example"])
 def test_the_heading_is_accepted_and_lines_are_readable(call: Call, case: str, tmp_path: Path) -> None:
-    from quickreturn.cases.recorded import read_table
+    from quickreturn.cases.files.recorded import read_table
 
     text = call("show", case, "--for-other-tools").output
     (header,) = (line for line in text.splitlines() if line.startswith("time ["))

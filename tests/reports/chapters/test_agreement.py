@@ -4,7 +4,7 @@ import dataclasses
 
 import pytest
 
-from quickreturn.cases.runs.comparison import agreement as verdicts
+from quickreturn.cases.comparison.engines import agreement as verdicts
 from quickreturn.reports.chapters.agreement import Sharpness, classes, departures, finding, run_map, summary
 from quickreturn.reports.results.engine_differences import differences, outward
 from tests.reports.pages import chapter_of, finding_of, one_run, plain, text_of

@@ -7,10 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from quickreturn.cases.case_file import load_case
-from quickreturn.cases.measures.catalogue import MEASURES, numbers
-from quickreturn.cases.measures.number import Number
-from quickreturn.cases.runs.comparison import CaseResult
+from quickreturn.cases.comparison.engines import CaseResult
+from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.motion.catalogue import MEASURES, numbers
+from quickreturn.cases.motion.number import Number
 from quickreturn.reports.chapters.drive import POINTS, finding
 from quickreturn.reports.output import plain as as_plain
 from quickreturn.reports.page.chapters import chapters_of

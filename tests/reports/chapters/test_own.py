@@ -5,11 +5,11 @@ import re
 
 import pytest
 
+from quickreturn.cases.comparison.engines import CaseResult, compare
+from quickreturn.cases.files.shown import Unit
+from quickreturn.cases.files.units import in_si
 from quickreturn.cases.loads import Factor, loads_of_run, resonance, share_of
 from quickreturn.cases.loads.stress import ArmStress, section_modulus
-from quickreturn.cases.runs.comparison import CaseResult, compare
-from quickreturn.cases.shown import Unit
-from quickreturn.cases.units import in_si
 from quickreturn.reports.chapters.own import TOPICS, lacking, strength_finding, strength_table
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.content import Content

@@ -6,14 +6,14 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from quickreturn.cases.case_file import load_case
-from quickreturn.cases.jobs.store import Store
-from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.measures.cycle import EXTREMES, VIBRATION, measure_cycle
-from quickreturn.cases.measures.time_scale import CHANNELS, time_scale
-from quickreturn.cases.runs.campaign import cross_validate
-from quickreturn.cases.runs.comparison import KINDS, CaseResult, Kind, compare
-from quickreturn.cases.runs.request import Run
+from quickreturn.cases.comparison.campaign import cross_validate
+from quickreturn.cases.comparison.engines import KINDS, CaseResult, Kind, compare
+from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.motion.cycle import EXTREMES, VIBRATION, measure_cycle
+from quickreturn.cases.motion.request import Run
+from quickreturn.cases.motion.time_scale import CHANNELS, time_scale
+from quickreturn.cases.running.store import Store
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.reports.chapters.agreement import Sharpness, sharpness, smallest_found
 from tests.changed_run import changed_run
 from tests.reports.reported_results import agreeing, reported_result

@@ -13,7 +13,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from PIL import Image
 
-from quickreturn.cases.runs.comparison import CaseResult
+from quickreturn.cases.comparison.engines import CaseResult
 from quickreturn.engines.registry import MAIN
 from quickreturn.plugins.methods import work_precision
 from quickreturn.plugins.methods.rivals import RIVALS

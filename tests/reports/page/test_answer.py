@@ -4,7 +4,7 @@ import dataclasses
 
 import pytest
 
-from quickreturn.cases.runs.comparison import compare
+from quickreturn.cases.comparison.engines import compare
 from quickreturn.reports.page.answer import answer_of
 from quickreturn.reports.words import size
 from tests.reports import pages

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import Page
 
-from quickreturn.cases.runs.comparison import compare
+from quickreturn.cases.comparison.engines import compare
 from quickreturn.reports.line_styles import looks
 from quickreturn.reports.machine import machine_facts
 from quickreturn.reports.report import write

@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from quickreturn.cases.measures.number import Number
-from quickreturn.cases.runs.comparison import Difference
+from quickreturn.cases.comparison.engines import Difference
+from quickreturn.cases.motion.number import Number
 from quickreturn.plugins.thesis.effects import tightened_words
 from quickreturn.plugins.thesis.page_data import finding_of, inference
 from quickreturn.plugins.thesis.sufficiency import splits

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from quickreturn.cases.jobs.isolation import STOPPED
-from quickreturn.cases.jobs.job import Outcome
-from quickreturn.cases.jobs.store import Store
-from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.running.isolation import STOPPED
+from quickreturn.cases.running.job import Outcome
+from quickreturn.cases.running.store import Store
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.plugins.methods.classes import measurement
 from quickreturn.plugins.methods.classes.grid import CENTRE, case_of, name_of
 from quickreturn.plugins.methods.classes.groups import Groups

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from quickreturn.cases.case_file import load_case
+from quickreturn.cases.files.case_file import load_case
 from quickreturn.engines.trajectory import REQUIRED, Trajectory
 from quickreturn.plugins.methods.judging.conditioning import CHANGE, ILL, conditioning, variations
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive

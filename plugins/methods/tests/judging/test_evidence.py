@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from quickreturn.cases.case_file import load_case
+from quickreturn.cases.files.case_file import load_case
 from quickreturn.engines.base import Comparison, EngineFailure, Refusal
 from quickreturn.engines.relative import relative_error
 from quickreturn.engines.settings import Settings

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from quickreturn.cases.case_file import load_case, with_times
-from quickreturn.cases.jobs.job import Limits
-from quickreturn.cases.jobs.processes import LocalProcesses
-from quickreturn.cases.jobs.store import Store
-from quickreturn.cases.jobs.workshop import Workshop
+from quickreturn.cases.files.case_file import load_case, with_times
 from quickreturn.cases.library import catalogue
 from quickreturn.cases.library.hard import TAG
+from quickreturn.cases.running.job import Limits
+from quickreturn.cases.running.processes import LocalProcesses
+from quickreturn.cases.running.store import Store
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.registry import MAIN
 from quickreturn.plugins.methods.judging.matrix import Matrix, judge_scenes
 from quickreturn.plugins.methods.judging.verdicts import ACCURATE, DIVERGED, ENDED, REFUSED

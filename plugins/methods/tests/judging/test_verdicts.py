@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from quickreturn.cases.measures.balances import LARGEST_GAP, LARGEST_JUMP, Balances
+from quickreturn.cases.motion.balances import LARGEST_GAP, LARGEST_JUMP, Balances
 from quickreturn.plugins.methods.judging.verdicts import (
     ACCURATE,
     CONTRADICTED,

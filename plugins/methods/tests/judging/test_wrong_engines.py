@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from quickreturn.cases.case_file import load_case
+from quickreturn.cases.files.case_file import load_case
 from quickreturn.engines.base import Engine
 from quickreturn.engines.registry import engine
 from quickreturn.engines.relative import relative_error
@@ -76,7 +76,7 @@ CORIOLIS = "2.0 * w.turn[slider_point] + "
 PROGRAM = """
 import pickle, sys
 from quickreturn import reference_model
-from quickreturn.cases.case_file import load_case
+from quickreturn.cases.files.case_file import load_case
 from quickreturn.plugins.methods.judging.evidence import TrialScene, gather
 assert reference_model.__file__.startswith(sys.argv[1]), reference_model.__file__
 scene = TrialScene(mechanism=load_case("thesis-24").mechanism, duration=0.4, output_step=1e-3, horizon=0.4)

@@ -6,12 +6,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from quickreturn.cases.errors import CaseError
-from quickreturn.cases.keys import si_text
+from quickreturn.cases.files.errors import CaseError
+from quickreturn.cases.files.keys import si_text
+from quickreturn.cases.files.reading import changes_of
+from quickreturn.cases.files.units import LENGTH, parse_quantity
 from quickreturn.cases.library import library_case
-from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.text.reading import changes_of
-from quickreturn.cases.units import LENGTH, parse_quantity
+from quickreturn.cases.motion.endings import Ending
 from quickreturn.plugins.studies.sweep.grid import Grid, axis, scenes_of
 from quickreturn.plugins.studies.sweep.rows import OPEN, Impossible
 

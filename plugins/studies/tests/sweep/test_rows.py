@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from quickreturn.cases.library import library_case
-from quickreturn.cases.measures.catalogue import MEASURES, numbers
-from quickreturn.cases.runs.endings import Ending
-from quickreturn.cases.runs.request import RunRequest
-from quickreturn.cases.runs.stability import NOT_CONVERGED
-from quickreturn.cases.runs.steady_state import steady_state
+from quickreturn.cases.motion.catalogue import MEASURES, numbers
+from quickreturn.cases.motion.endings import Ending
+from quickreturn.cases.motion.request import RunRequest
+from quickreturn.cases.motion.stability import NOT_CONVERGED
+from quickreturn.cases.motion.steady_state import steady_state
 from quickreturn.engines.base import NoSteadyState
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start

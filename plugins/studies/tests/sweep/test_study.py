@@ -11,16 +11,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from quickreturn.cases.case import case_of, document_of
-from quickreturn.cases.jobs.in_process import Nobody, ThisProcess
-from quickreturn.cases.jobs.isolation import STOPPED
-from quickreturn.cases.jobs.job import Limits, Outcome
-from quickreturn.cases.jobs.key import key_of
-from quickreturn.cases.jobs.store import Store
-from quickreturn.cases.jobs.workshop import Workshop
-from quickreturn.cases.keys import Written
+from quickreturn.cases.files.case import case_of, document_of
+from quickreturn.cases.files.keys import Written
 from quickreturn.cases.library import library_case
-from quickreturn.cases.runs.endings import Ending
+from quickreturn.cases.motion.endings import Ending
+from quickreturn.cases.running.in_process import Nobody, ThisProcess
+from quickreturn.cases.running.isolation import STOPPED
+from quickreturn.cases.running.job import Limits, Outcome
+from quickreturn.cases.running.key import key_of
+from quickreturn.cases.running.store import Store
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.dataset import dataset_file
 from quickreturn.plugins.studies.public import sweeping
 from quickreturn.plugins.studies.sweep import grid as of_grid

@@ -9,11 +9,11 @@ import pytest
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from quickreturn.cases.case import Case
-from quickreturn.cases.case_file import load_case
-from quickreturn.cases.errors import CaseError
-from quickreturn.cases.keys import text_of
-from quickreturn.cases.recorded import RecordedTable, table_of
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.files.errors import CaseError
+from quickreturn.cases.files.keys import text_of
+from quickreturn.cases.files.recorded import RecordedTable, table_of
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceSettings
 from quickreturn.engines.registry import engine
@@ -163,7 +163,7 @@ def test_parameters_that_do_the_same_are_not_told_apart() -> None:
 
 @pytest.mark.verify
 def test_the_steady_state_is_fitted_at_equal_crank_angles() -> None:
-    from quickreturn.cases.runs.marching import whole_cycles
+    from quickreturn.cases.motion.marching import whole_cycles
     from quickreturn.engines.own.reference import ReferenceEngine
 
     true = changed(CASE.mechanism, {"follower.bending_stiffness": 1.03 * STIFFNESS})

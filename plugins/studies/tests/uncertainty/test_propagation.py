@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from quickreturn.cases.case_file import load_case
-from quickreturn.cases.errors import CaseError
+from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.files.errors import CaseError
 from quickreturn.plugins.studies.sweep.rows import MeasureRequest
 from quickreturn.plugins.studies.uncertainty.chaos import powers_up_to
 from quickreturn.plugins.studies.uncertainty.propagation import Points, planned

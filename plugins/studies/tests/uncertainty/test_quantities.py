@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import quickreturn as qr
-from quickreturn.cases.case_file import load_case
-from quickreturn.cases.recorded import RecordedTable, table_of
-from quickreturn.cases.runs.column_differences import QUANTITIES
+from quickreturn.cases.comparison.column_differences import QUANTITIES
+from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.files.recorded import RecordedTable, table_of
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import engine
 from quickreturn.engines.start import standard_start

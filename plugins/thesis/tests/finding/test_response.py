@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from quickreturn.cases.library.thesis.runs import run_case
-from quickreturn.cases.measures.steady_state import Cycle
-from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.runs.orbit import Orbit, find_orbit
+from quickreturn.cases.motion.orbit import Orbit, find_orbit
+from quickreturn.cases.motion.settling import Cycle
+from quickreturn.cases.motion.time_scale import CHANNELS
 from quickreturn.plugins.thesis.finding import study
 from quickreturn.plugins.thesis.finding.effects import PUBLISHED, Effect, effects
 from quickreturn.plugins.thesis.finding.response import Response, _ring, respond
@@ -63,7 +63,7 @@ def test_a_soft_roller_changes_the_half_that_it_carries_by_what_its_spring_does_
             # study claims 0.8 to 1.4 %
             assert change == pytest.approx(expected, abs=error)
         else:
-            # 0.3 %: the floor of the measure (`cases.measures.first_mode.FREQUENCY_FLOOR`), of each of the two
+            # 0.3 %: the floor of the measure (`cases.motion.first_mode.FREQUENCY_FLOOR`), of each of the two
             assert change == pytest.approx(0.0, abs=0.3 * 2.0**0.5)
     assert expected < -1.0
 

@@ -3,8 +3,8 @@
 import pytest
 
 from quickreturn.cases.library.thesis.runs import run_case
-from quickreturn.cases.measures.time_scale import CHANNELS
-from quickreturn.cases.runs.orbit import find_orbit
+from quickreturn.cases.motion.orbit import find_orbit
+from quickreturn.cases.motion.time_scale import CHANNELS
 from quickreturn.plugins.thesis.finding import study
 from quickreturn.plugins.thesis.finding.effects import PUBLISHED, effects
 from quickreturn.plugins.thesis.finding.response import Response, respond

@@ -1,0 +1,1 @@
+"""Comparison: engines with each other, and recorded tables with engines."""

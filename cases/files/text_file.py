@@ -1,0 +1,83 @@
+"""Reads a text file that the user names, or says in one sentence why it cannot be read."""
+
+import codecs
+import contextlib
+import os
+import stat
+from collections.abc import Sequence
+from itertools import islice
+from pathlib import Path
+from typing import Final
+
+from quickreturn.cases.files.errors import CaseError, path_shown, similar_name
+
+#: Largest number of entries of a folder that are searched; a user's own folder has fewer.
+_MOST_ENTRIES: Final = 10_000
+
+
+def read_text(
+    path: str, what: str = "a case file or the name of a library case", largest: int = 64_000, library: Sequence[str] = ()
+) -> str:
+    """The text of a file, without byte order mark and with plain line ends.
+
+    Args:
+        path: of the file.
+        what: kind of file, for messages.
+        largest: size in bytes.
+        library: names of the library; one of them may be meant.
+
+    Raises:
+        CaseError: the file is missing, not a regular file, unreadable, too large or not in UTF-8.
+    """
+    content = _content(path, what, largest, library)
+    try:
+        return content.decode("utf-8-sig").replace("\r\n", "\n")
+    except UnicodeDecodeError as wrong:
+        line = content.count(b"\n", 0, wrong.start) + 1
+        raise CaseError(path_shown(path), None, None, f"is not in UTF-8 (line {line})", "save it as plain text in UTF-8") from None
+
+
+def read_table_text(path: str, what: str, largest: int) -> str:
+    """The text of a table of any program: in UTF-8, UTF-16 with its byte order mark, or Windows-1252. CaseError: as of `read_text`."""
+    content = _content(path, what, largest)
+    is_wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    for encoding in ("utf-16",) if is_wide else ("utf-8-sig", "cp1252"):
+        with contextlib.suppress(UnicodeDecodeError):
+            text = content.decode(encoding)
+            if "\0" not in text:
+                return text
+    raise CaseError(path_shown(path), None, None, "is no text, but a program's own binary form", "export it as plain text, such as CSV")
+
+
+def _content(path: str, what: str, largest: int, library: Sequence[str] = ()) -> bytes:
+    """The bytes of a file. CaseError: as of `read_text`, but for the encoding."""
+    shown, instead = path_shown(path), f"give the path of {what}"
+    try:
+        if not stat.S_ISREG(os.stat(path).st_mode):  # opening a pipe would wait for ever
+            raise CaseError(shown, None, None, "is no regular file", instead)
+        with open(path, "rb") as file:
+            content = file.read(largest + 1)
+    except FileNotFoundError:
+        known = similar_name(Path(path).stem, library)
+        near = similar_file(path) or (known and f"the library case {known}")
+        raise CaseError(shown, None, None, "there is no such file", f"did you mean {near}?" if near else instead) from None
+    except (OSError, ValueError) as trouble:  # ValueError: a null character in the path
+        reason = trouble.strerror if isinstance(trouble, OSError) else trouble
+        raise CaseError(shown, None, None, f"cannot be read ({reason})", instead) from None
+    if len(content) > largest:
+        raise CaseError(shown, None, None, f"is larger than {largest // 1000} kB", instead)
+    if content.startswith(b"PK\x03\x04"):
+        raise CaseError(shown, None, None, "is an Excel workbook or another archive", "save it as plain text in UTF-8, such as CSV")
+    return content
+
+
+def similar_file(path: str) -> str:
+    """The file in the same folder, with the same ending, whose name resembles that of a path most; "" if there is none."""
+    folder, (stem, ending) = os.path.dirname(path), os.path.splitext(os.path.basename(path))
+    try:
+        with os.scandir(folder or ".") as entries:
+            names = [entry.name for entry in islice(entries, _MOST_ENTRIES) if os.path.isfile(entry)]
+    except (OSError, ValueError):  # no such folder
+        return ""
+    near = similar_name(stem, sorted(name.removesuffix(ending) for name in names if ending and name.endswith(ending)))
+    return near and path_shown(os.path.join(folder, near + ending))

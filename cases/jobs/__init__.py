@@ -1,1 +1,0 @@
-"""Jobs: computations in separate processes, each with a key, stored in one store."""

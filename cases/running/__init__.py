@@ -1,0 +1,1 @@
+"""Running: jobs in separate processes, each with a key, their results in one store."""

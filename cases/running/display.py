@@ -1,0 +1,147 @@
+"""Display of progress on standard error: jobs at work, their progress, finished jobs, and the remaining time.
+
+A terminal shows it in place; a pipe or a file gets a line every few seconds and one for each result.
+"""
+
+import contextlib
+import functools
+import sys
+import threading
+import time
+from collections.abc import Callable, Generator, Iterator, Sequence
+from contextlib import closing
+from typing import Any, Final
+
+from quickreturn.cases.running.job import Executor, Job, Outcome, T
+from quickreturn.cases.running.tally import Tally, span
+from quickreturn.engines import progress as progress_of_engines
+from quickreturn.reference_model.native import cache_folder
+from quickreturn.reference_model.native.turn import waits_for
+
+#: Time until the first line of progress, and between lines, s.
+FIRST_LINE_AFTER: Final = 0.3
+LINE_INTERVAL: Final = 5.0
+#: Processor time, s, after which a message says that code is being compiled: loading compiled code takes one second, compilation 15 to 40.
+COMPILING_AFTER: Final = 2.0
+#: Interval of the checks of this time, s.
+LOOK_INTERVAL: Final = 0.2
+#: Largest number of jobs that a line names.
+_MOST_AT_WORK: Final = 4
+
+
+def watched(executor: Executor, jobs: Sequence[Job[T]], title: str) -> Generator[Outcome[T], None, None]:
+    """Outcomes as they come; progress is shown meanwhile unless the executor is quiet. Raises as `Executor.run`."""
+    if executor.quiet or not jobs:
+        yield from executor.run(jobs)
+        return
+    _say_what_is_forgotten()
+    tally = Tally(jobs, executor.at_once)
+    with _shown(tally, title) as done, closing(executor.run(jobs, tally.watch)) as running:
+        for outcome in running:
+            tally.ended(outcome)
+            done(outcome)
+            yield outcome
+
+
+def answers(executor: Executor, jobs: Sequence[Job[T]], title: str) -> list[Outcome[T]]:
+    """The outcome of each job, in their order; these results are not stored. Raises as `Executor.run`."""
+    with closing(watched(executor, jobs, title)) as computed:
+        by_job = {id(outcome.job): outcome for outcome in computed}
+    return [by_job[id(job)] for job in jobs]
+
+
+def _shown(tally: Tally, title: str) -> contextlib.AbstractContextManager[Callable[[Outcome[Any]], None]]:
+    """The display that suits standard error; the function that it yields is called with every outcome."""
+    return _in_place(tally, title) if sys.stderr.isatty() else _in_lines(tally, title)
+
+
+@contextlib.contextmanager
+def _in_place(tally: Tally, title: str) -> Iterator[Callable[[Outcome[Any]], None]]:
+    """Display in a terminal: a bar, and below it the jobs at work."""
+    from rich.console import Console, Group
+    from rich.live import Live
+    from rich.progress_bar import ProgressBar
+    from rich.table import Table
+    from rich.text import Text
+
+    def drawn() -> Group:
+        head = Table.grid(padding=(0, 1))
+        head.add_row(title, ProgressBar(total=tally.total, completed=tally.done, width=30), str(tally), tally.elapsed)
+        return Group(head, *(Text(f"  {line}", no_wrap=True, overflow="ellipsis") for line in tally.at_work()))
+
+    with Live(get_renderable=drawn, console=Console(stderr=True), transient=True, refresh_per_second=8):
+        yield lambda outcome: None
+
+
+@contextlib.contextmanager
+def _in_lines(tally: Tally, title: str) -> Iterator[Callable[[Outcome[Any]], None]]:
+    """Display in a pipe or a file: at intervals a line from a thread, because the caller waits, and one for each outcome.
+
+    Points of a study that are jobs of their own have no such line.
+    """
+    ended = threading.Event()
+
+    def tell() -> None:
+        wait = FIRST_LINE_AFTER
+        while not ended.wait(wait):
+            at_work = tally.at_work()
+            more = [f"{len(at_work) - _MOST_AT_WORK} more"] if len(at_work) > _MOST_AT_WORK else []
+            _say("; ".join([f"{title}: {tally} after {tally.elapsed}", *at_work[:_MOST_AT_WORK], *more]))
+            wait = LINE_INTERVAL
+
+    def done(outcome: Outcome[Any]) -> None:
+        if tally.total > 1 and not (outcome.job.brief and outcome.job.points == 1 and outcome.completed):
+            _say(f"{outcome.job.name}: {outcome.failure or f'done in {span(outcome.seconds)}'}; {tally}")
+
+    thread = threading.Thread(target=tell, daemon=True)
+    thread.start()
+    try:
+        yield done
+    finally:
+        ended.set()
+        thread.join()
+
+
+@contextlib.contextmanager
+def compilation_announced(quiet: bool) -> Iterator[None]:
+    """Print one line if this process waits for compilation; nothing if compiled code exists, or if quiet.
+
+    Processor time decides, not the clock: on a busy machine loading also takes long.
+    """
+    ended: list[threading.Event] = []
+
+    def hear(progress: progress_of_engines.Progress) -> None:
+        while ended:
+            ended.pop().set()
+        if progress.phase == progress_of_engines.COMPILING and not quiet:
+            ended.append(threading.Event())
+            threading.Thread(target=_tell_of_compiling, args=(progress.engine, ended[0], time.process_time()), daemon=True).start()
+
+    with progress_of_engines.heard_by(hear):
+        try:
+            yield
+        finally:
+            while ended:
+                ended.pop().set()
+
+
+def _tell_of_compiling(engine: str, ended: threading.Event, began: float) -> None:
+    while not ended.wait(LOOK_INTERVAL):
+        if process := waits_for():
+            _say(f"{engine}: waits for process {process}, which compiles its equations, once for this machine ...")
+            return
+        if time.process_time() - began > COMPILING_AFTER:
+            _say(f"{engine}: compiling its equations, once for this machine; that takes some fifteen seconds ...")
+            return
+
+
+@functools.cache
+def _say_what_is_forgotten() -> None:
+    """Print, once in a process, the warning that compiled code is not kept, if there is one."""
+    if sentence := cache_folder.warning_if_not_kept():
+        _say(sentence)
+
+
+def _say(line: str) -> None:
+    with contextlib.suppress(OSError, ValueError):  # nobody listens
+        print(f"  {line}", file=sys.stderr, flush=True)

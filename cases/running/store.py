@@ -1,0 +1,151 @@
+"""Results on disk, stored one by one: an interrupted run continues where it stopped, and stale or damaged results are never shown.
+
+An entry is one file named by its key, a hash of everything that determines the result (scene, engine, settings, versions, code).
+It is written to a temporary file, forced to the disk and renamed, so that it is complete or absent even with several writers. A checksum
+over key and content finds truncated, edited or misplaced files: such an entry counts as absent, its result is computed anew, and a notice
+says so. If a result cannot be written, a notice says so and the run goes on: only this result must be computed again.
+
+File format: one line `quickreturn-store 1 <sha256>`, then numpy's npz with the JSON document as UTF-8 bytes and the arrays.
+"""
+
+import contextlib
+import hashlib
+import io
+import json
+import os
+import tempfile
+import time
+import zipfile
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from quickreturn.cases.files.whole_file import words_of, write_atomically
+from quickreturn.reference_model.errors import ToldError
+
+#: Environment variable that names the folder.
+VARIABLE: Final = "QUICKRETURN_STORE"
+#: Folder under the current directory if the variable is not set.
+DEFAULT_FOLDER: Final = ".quickreturn"
+
+_MAGIC: Final = "quickreturn-store 1"
+_DOCUMENT: Final = "document"
+_ABANDONED: Final = 3600.0  # s: no write takes an hour, so an older temporary file belongs to a run that was killed
+
+
+class StoreError(ToldError):
+    """The store's folder cannot be used; the text is one sentence."""
+
+
+@dataclass(frozen=True)
+class Record:
+    """What is stored under a key: a JSON document and arrays by name; see `cases.running.records` for what it is made of."""
+
+    document: Any
+    arrays: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+
+
+class Store:
+    """Entries by key in a folder; safe to use from several processes at once.
+
+    Args:
+        folder: None for that of the environment variable.
+        tell: called with each notice at once.
+
+    Raises:
+        StoreError: the folder cannot be created or written to.
+    """
+
+    def __init__(self, folder: Path | None = None, tell: Callable[[str], object] | None = None) -> None:
+        self.folder = folder if folder is not None else Path(os.environ.get(VARIABLE) or DEFAULT_FOLDER).expanduser()
+        self.notices: list[str] = []  # sentences on damaged entries and on results that could not be written, so far
+        self.written = self.lost = 0  # numbers of results that were written, and that could not be
+        self.in_pieces: set[str] = set()  # keys of jobs whose pieces other processes store
+        self._tell = tell
+        self.is_new = not self.folder.exists()
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            self._clear_abandoned()
+            with tempfile.TemporaryFile(dir=self.folder):
+                pass
+        except OSError as error:
+            raise StoreError(
+                f"store folder {self.folder}: it cannot be created or written ({words_of(error)});"
+                f" set {VARIABLE} to a folder that can be written"
+            ) from error
+
+    def get(self, key: str) -> Record | None:
+        """The entry under `key`, or None if there is none or it is damaged (then a notice says so)."""
+        try:
+            content = self._path(key).read_bytes()
+        except FileNotFoundError:
+            return None
+        except OSError as error:
+            self.note_damage(key, f"cannot be read ({words_of(error)})")
+            return None
+        head, _, body = content.partition(b"\n")
+        if head != _head(key, body):
+            self.note_damage(key, "is truncated or was edited")
+            return None
+        try:
+            with np.load(io.BytesIO(body), allow_pickle=False) as archive:
+                arrays = {name: archive[name] for name in archive.files}
+            return Record(json.loads(arrays.pop(_DOCUMENT).tobytes()), arrays)
+        except (ValueError, KeyError, OSError, EOFError, zipfile.BadZipFile) as error:  # a good head over other content
+            self.note_damage(key, f"cannot be read ({error})")
+            return None
+
+    def put(self, key: str, record: Record) -> None:
+        """Store an entry, replacing one of the same key.
+
+        If it cannot be written (full disk, ...) a notice says so, and an earlier entry stays.
+
+        Raises:
+            ValueError: an array is called "document" or holds Python objects, or the document holds NaN or infinities.
+            TypeError: the document holds what JSON does not know.
+        """
+        arrays = {name: np.asarray(values) for name, values in record.arrays.items()}
+        if _DOCUMENT in arrays or any(array.dtype.hasobject for array in arrays.values()):
+            raise ValueError(f'an array must hold plain numbers and must not be called "{_DOCUMENT}"')
+        text = json.dumps(record.document, allow_nan=False).encode()
+        buffer = io.BytesIO()
+        np.savez(buffer, **{_DOCUMENT: np.frombuffer(text, dtype=np.uint8)}, **arrays)  # type: ignore[arg-type]
+        body = buffer.getvalue()
+        try:
+            write_atomically(self._path(key), _head(key, body) + b"\n" + body)
+            self.written += 1
+        except OSError as error:
+            self.lost += 1
+            self._note(f"store folder {self.folder}: results cannot be written ({words_of(error)}); they are computed anew next time")
+
+    @property
+    def pieces(self) -> int:
+        """Number of stored pieces of the jobs in `in_pieces`, of this call and earlier ones."""
+        return sum(1 for key in self.in_pieces for _ in self.folder.glob(f"{key}-*.result"))
+
+    def _path(self, key: str) -> Path:
+        return self.folder / f"{key}.result"
+
+    def note_damage(self, key: str, what: str) -> None:
+        """Say that an entry is damaged; `what`: a clause on how."""
+        self._note(f"stored result {self._path(key)} {what}; it is computed anew")
+
+    def _note(self, sentence: str) -> None:
+        if sentence not in self.notices:
+            self.notices.append(sentence)
+            if self._tell is not None:
+                self._tell(sentence)
+
+    def _clear_abandoned(self) -> None:
+        for file in self.folder.glob("*.part"):
+            with contextlib.suppress(FileNotFoundError):  # another run cleared it first
+                if time.time() - file.stat().st_mtime > _ABANDONED:
+                    file.unlink()
+
+
+def _head(key: str, body: bytes) -> bytes:
+    return f"{_MAGIC} {hashlib.sha256(key.encode() + body).hexdigest()}".encode()

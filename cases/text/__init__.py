@@ -1,1 +1,0 @@
-"""The text of a case file: read, changed and written, with messages about its mistakes."""

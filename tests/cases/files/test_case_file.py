@@ -1,0 +1,161 @@
+"""What stands in a case file arrives where it belongs."""
+
+import math
+from pathlib import Path
+
+import pytest
+
+from quickreturn.cases.files.case import parse_case
+from quickreturn.cases.files.case_file import load_case, with_times
+from quickreturn.cases.files.errors import CaseError
+from quickreturn.reference_model.mechanism import PrescribedSpeed, TorqueDrive
+from tests.cases.files.scene_texts import IN_SI, SCENE, changed, numbers
+
+
+def test_a_scene_in_inches_and_in_si_is_the_same() -> None:
+    inches, metric = parse_case(SCENE, "scene.toml"), parse_case(IN_SI, "scene.toml")
+    assert len(numbers(metric)) == 52  # every quantity of the file: none was dropped or put in another's place
+    # 1e-15: both texts are rounded once to a double, the metric one after 16 or more digits
+    assert numbers(inches) == pytest.approx(numbers(metric), rel=1e-15, abs=0.0)
+
+
+def test_every_key_arrives_where_it_belongs() -> None:
+    case = parse_case(IN_SI, "scene.toml")
+    scene = case.mechanism
+    assert (case.name, case.title, case.tags, case.source, case.notes) == ("scene", "A scene", ("test",), "scene.toml", ())
+    assert (case.duration, case.output_step) == (2.0, 0.001)
+    assert (scene.pivot_distance, scene.gravity) == (0.4572, (0.0, -9.8044))
+    assert (scene.crank.length, scene.crank.center_of_mass, scene.crank.inertia) == (0.1016, 0.0762, 4.519393161104668e-5)
+    assert scene.crank.initial_angle == math.pi
+    assert scene.crank.drive == TorqueDrive(torque=1.129848290276167, damping=0.06799035518449393, initial_speed=16.617773)
+    assert (scene.base.inertia, scene.base.damping) == (1.6947724354142505e-5, 2.259696580552334e-6)
+    assert (scene.follower.length, scene.follower.thickness, scene.follower.width) == (0.635, 0.003175, 0.0381)
+    assert (scene.follower.damping, scene.follower.strain_gauges) == (0.1378951458633672, (0.15875, 0.3175, 0.47625))
+    assert scene.tip is not None
+    assert (scene.tip.inertia, scene.tip.center_of_mass) == (2.21450264894128732e-6, 0.0127)
+    assert (scene.tip.force, scene.tip.force_from) == ((0.44482216152605, -0.08896443230521), 3.490658503988659)
+    assert (scene.tip.force_to, scene.tip.force_ramp) == (5.759586531581288, 0.20943951023931956)
+    assert (scene.slider.joint_stiffness, scene.slider.joint_damping) == (17512.68352464763779, 17.51268352464763779)
+
+
+def test_what_may_be_left_out_has_the_documented_default() -> None:
+    text = changed('gravity = ["0 in/s^2", "-386 in/s^2"]\n', "").replace('initial_speed = "16.617773 rad/s"\n', "")
+    for section in ("tip", "slider"):
+        start = text.index(f"[{section}]")
+        text = text[:start] + text[text.index("\n\n", start) + 2 :]
+    case = parse_case(text.replace('title = "A scene"\n', "").replace('tags = ["test"]\n', ""), "scene.toml")
+    scene = case.mechanism
+    assert (case.title, case.tags) == ("scene", ())
+    assert scene.tip is None
+    assert not scene.has_gravity
+    assert (scene.slider.mass, scene.slider.inertia, scene.slider.joint_stiffness, scene.slider.joint_damping) == (0.0, 0.0, math.inf, 0.0)
+    assert scene.crank.drive.initial_speed == pytest.approx(10.0 / 0.60176535, rel=1e-15)  # torque / damping; a few roundings
+
+
+def test_the_crank_may_be_driven_by_a_prescribed_speed_alone() -> None:
+    text = changed('torque = "10 lbf*in"\n', 'prescribed_speed = "-120 rpm"\n').replace('damping = "0.60176535 lbf*in*s/rad"\n', "")
+    case = parse_case(text.replace('initial_speed = "16.617773 rad/s"\n', ""), "scene.toml")
+    assert case.mechanism.crank.drive == PrescribedSpeed(speed=-4.0 * math.pi)
+
+
+def test_a_file_may_have_a_byte_order_mark_and_windows_lines(tmp_path: Path) -> None:
+    path = tmp_path / "windows.toml"
+    path.write_bytes(b"\xef\xbb\xbf" + SCENE.replace("\n", "\r\n").encode())
+    assert load_case(str(path)).mechanism == parse_case(SCENE, "scene.toml").mechanism
+
+
+def test_simulation_times_can_be_replaced() -> None:
+    case = parse_case(SCENE, "scene.toml")
+    assert (with_times(case, 0.5).duration, with_times(case, 0.5).output_step) == (0.5, 0.001)
+    assert with_times(case, output_step=0.002).output_step == 0.002
+    assert with_times(case) == case
+    for duration, step in ((math.nan, None), (-1.0, None), (0.0, None), (math.inf, None), (0.0015, None), (None, 3.0), (1e9, 1e-9)):
+        with pytest.raises(CaseError, match=r"^scene: (duration|output_step): "):
+            with_times(case, duration, step)
+
+
+STEEL = """\
+elastic_modulus = "210 GPa"
+density = "7.85 g/cm^3"
+"""
+
+
+def of_material(text: str) -> str:
+    text = text.replace('mass_per_length = "4.75987e-5 lbf*s^2/in^2"\n', "")
+    return text.replace('bending_stiffness = "2128.22 lbf*in^2"\n', STEEL)
+
+
+def test_a_follower_may_be_given_by_material_and_section() -> None:
+    follower = parse_case(of_material(SCENE), "scene.toml").scene.follower
+    thickness, width = 0.125 * 0.0254, 1.5 * 0.0254
+    assert follower.bending_stiffness == pytest.approx(210e9 * width * thickness**3 / 12.0, rel=1e-14)
+    assert follower.mass_per_length == pytest.approx(7850.0 * width * thickness, rel=1e-14)
+    assert follower.mass == pytest.approx(7850.0 * width * thickness * 0.635, rel=1e-14)
+    mixed = changed('mass_per_length = "4.75987e-5 lbf*s^2/in^2"\n', 'density = "7850 kg/m^3"\n')
+    assert (
+        parse_case(mixed, "scene.toml").scene.follower.bending_stiffness == parse_case(SCENE, "scene.toml").scene.follower.bending_stiffness
+    )
+
+
+def test_a_section_may_be_changed_and_stiffness_and_mass_follow() -> None:
+    plain, thick = (parse_case(of_material(SCENE), "scene.toml", {"follower.thickness": text}).scene.follower for text in ("3 mm", "6 mm"))
+    assert thick.bending_stiffness == pytest.approx(8.0 * plain.bending_stiffness, rel=1e-14)
+    assert thick.mass_per_length == pytest.approx(2.0 * plain.mass_per_length, rel=1e-14)
+    stiffness = parse_case(of_material(SCENE), "scene.toml", {"follower.bending_stiffness": "3 N*m^2"}).scene.follower.bending_stiffness
+    assert stiffness == 3.0  # what is set drops what it replaces
+
+
+@pytest.mark.parametrize(("first", "other"), [("elastic_modulus", "bending_stiffness"), ("density", "mass_per_length")])
+def test_material_and_what_follows_from_it_exclude_each_other(first: str, other: str) -> None:
+    both = SCENE.replace("[follower]\n", f"[follower]\n{STEEL}")
+    both = both if first == "elastic_modulus" else both.replace('elastic_modulus = "210 GPa"\n', "")
+    with pytest.raises(CaseError, match=f"follower.{first}.*conflicts with follower.{other}"):
+        parse_case(both, "scene.toml")
+
+
+@pytest.mark.parametrize(
+    ("overrides", "key"),
+    [
+        ({"tip.force_to": "210 deg"}, "tip.force_to"),  # less than two ramps of 12 deg
+        ({"tip.force_from": "-40 deg"}, "tip.force_from"),  # more than a turn
+        ({"tip.force_ramp": "70 deg"}, "tip.force_ramp"),
+    ],
+)
+def test_a_force_must_come_and_go_within_a_turn(overrides: dict[str, str], key: str) -> None:
+    with pytest.raises(CaseError, match=f"overrides: {key}: .*force_ramp.*360 deg are accepted"):
+        parse_case(SCENE, "scene.toml", overrides)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("3 mm +- 0.1 mm", ""),
+        ("3 mm +- 2 %", ""),
+        ("3 mm +-0.1 mm", "no tolerance that can be read"),
+        ("3 mm +- 0.1 mm +- 0.1 mm", "no tolerance that can be read"),
+        ("3 mm +- 0.1", "has no unit"),
+        ("3 mm +- 0.1 kg", "is a mass"),
+        ("3 mm +- -0.1 mm", "tolerance that is not positive"),
+        ("3 mm +- 0 %", "tolerance that is not positive"),
+        ("3 mm +- 3 mm", "tolerance beyond which it is not positive"),
+        ("inf +- 1 mm", "cannot be read"),
+    ],
+)
+def test_a_value_with_a_tolerance_is_the_value(text: str, told: str) -> None:
+    if told:
+        with pytest.raises(CaseError, match=r"overrides: follower\.thickness: ") as wrong:
+            parse_case(SCENE, "scene.toml", {"follower.thickness": text})
+        assert told in str(wrong.value)
+        assert str(wrong.value).count("\n") == 0
+        return
+    case, plain = (parse_case(SCENE, "scene.toml", {"follower.thickness": each}) for each in (text, "3 mm"))
+    assert case.scene == plain.scene
+    assert case.tolerances == {"follower.thickness": text}
+    assert parse_case(case.to_toml(), "written").tolerances == case.tolerances
+    assert case.mechanism_with({"follower.thickness": 0.004}).follower.thickness == 0.004
+
+
+def test_a_tolerance_in_a_list_belongs_to_its_place() -> None:
+    case = parse_case(SCENE, "scene.toml", {"mechanism.gravity": '["0 m/s^2", "-9.8 m/s^2 +- 0.1 m/s^2"]'})
+    assert case.tolerances == {"mechanism.gravity[2]": "-9.8 m/s^2 +- 0.1 m/s^2"}
+    assert case.mechanism.gravity == (0.0, -9.8)

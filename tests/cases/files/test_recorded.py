@@ -1,0 +1,372 @@
+"""Recorded tables are read as they declare themselves, and what cannot be read is told with place, value and what is accepted."""
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from quickreturn.cases.files import recorded
+from quickreturn.cases.files.errors import CaseError
+from quickreturn.cases.files.recorded import read_table, suggested_mapping, table_of
+
+HEADING = "time [ms],crank_angle [deg],tip_deflection [mm],strain_1 [percent]"
+ROWS = "0,180,-2.5,0\n1,181,1e-3,0.1\n"
+
+
+def written(folder: Path, text: str, name: str = "tool.csv") -> str:
+    (folder / name).write_bytes(text.encode())
+    return str(folder / name)
+
+
+def refusal(folder: Path, text: str) -> str:
+    with pytest.raises(CaseError) as told:
+        read_table(written(folder, text))
+    return str(told.value)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        f"{HEADING}\n{ROWS}",
+        f"\ufeff{HEADING}\r\n{ROWS}".replace("\n", "\r\n"),  # as Excel writes it
+        f"\n# case = x\n# version = Tool 7\n\n{HEADING}\n\n{ROWS}\n\n",
+        '"time [ms]", "crank_angle (deg)","tip_deflection [mm]","strain_1 [%]"\n"0",180,-2.5,0\n1, 181 ,1e-3,0.1',
+    ],
+)
+def test_units_are_turned_into_si_and_nothing_else_is_touched(tmp_path: Path, text: str) -> None:
+    table = read_table(written(tmp_path, text))
+    assert table.name == "tool.csv"
+    np.testing.assert_allclose(table.columns["time"], [0.0, 1e-3], rtol=1e-15)
+    np.testing.assert_allclose(table.columns["crank_angle"], np.radians([180.0, 181.0]), rtol=1e-15)
+    np.testing.assert_allclose(table.columns["tip_deflection"], [-2.5e-3, 1e-6], rtol=1e-15)
+    np.testing.assert_allclose(table.columns["strain_1"], [0.0, 1e-3], rtol=1e-15)
+    assert table.declared in ({}, {"case": "x", "version": "Tool 7"})
+
+
+@pytest.mark.parametrize(
+    ("heading", "size"),
+    [
+        ("tip_acceleration [g]", 9.80665),
+        ("tip_acceleration [in/s^2]", 0.0254),
+        ("strain_3 [microstrain]", 1e-6),
+        ("strain_3 [µm/m]", 1e-6),
+        ("strain_3 [µε]", 1e-6),
+        ("strain_3 [mm/mm]", 1.0),
+        ("strain_3 [-]", 1.0),
+        ("strain_3", 1.0),
+        ("crank_torque [lbf*in]", 0.1129848290276167),
+        ("kinetic_energy [mJ]", 1e-3),
+        ("crank_speed [rpm]", np.pi / 30.0),
+    ],
+)
+def test_units(tmp_path: Path, heading: str, size: float) -> None:
+    table = read_table(written(tmp_path, f"time,{heading}\n0,2\n"))
+    (name,) = set(table.columns) - {"time"}
+    np.testing.assert_allclose(table.columns[name], [2.0 * size], rtol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", ["is empty"]),
+        ("PK\x03\x04\x14", ["is an Excel workbook"]),
+        ("# case = x\n", ["no headings"]),
+        ("time,tip_deflection\n", ["no rows"]),
+        ("time,tip_deflecton [mm]\n0,1", ["line 1", "tip_deflecton", "tip_deflection", "--for-other-tools"]),
+        ("Time,crank.phi,tip_deflecton\n0,1,2", ["crank.phi", "crank_angle", "tip_deflecton", "tip_deflection", "--write-mapping"]),
+        ("time_ms,tip_defl_mm\n0,1\n", ["nearest: time [ms]", "nearest: tip_deflection [mm]"]),
+        ("time;tip_x\n0;3\n1;1,234\n", ["line 3", "1,234", "two ways", "--decimal"]),
+        ("time;tip_x\n0;3,5\n1;1.5\n", ["line 2", "3,5", "decimal points too", "--decimal"]),
+        ("time [s];tip_x\nms;m\n0;1\n", ["line 1", "time [s]", "ms", "one unit"]),
+        ("time,tip_deflection\n0;1\n", ["line 2", "0;1", "--separator"]),
+        ("time,tip_deflection\n0,1,5\n", ["line 2", "0,1,5", "3 columns", "of 2", "--decimal"]),
+        ("Solver 7, 2 s\ntime [ms],tip_x [um]\n0,1\n", ["line 1", "no column time", "--skip"]),
+        ("time,tip_deflection [kg]\n0,1", ["line 1, tip_deflection", "kg", "a mass", "a length", "mm"]),
+        ("time,tip_deflection [m m]\n0,1", ["line 1, tip_deflection", "unreadable unit"]),
+        ("time,strain_1 [mm]\n0,1", ["strain_1", "mm", "a length", "a pure number", "microstrain", "percent"]),
+        ("time,crank_speed [Hz]\n0,1", ["crank_speed", "Hz", "rpm"]),
+        ("time,crank_angle [Grad]\n0,1\n", ["crank_angle", "Grad", "two ways", "gon"]),
+        ("time,tip_x [Mm]\n0,1\n", ["tip_x", "Mm", "two ways", '"mm"']),
+        ('time,tip_x\n0,"1,5"\n', ["line 2, tip_x", "1,5", "no plain number"]),
+        ("time;tip_x\n0;1\n1;2\nSumme;3\n", ["line 4, time", "Summe", "no plain number"]),
+        ("time,tip_x\n0,1\n2,1\n\n1,2", ["line 5, time", "1", "does not rise"]),
+        ("time,tip_x\n0,1\n0,2", ["line 3, time", "does not rise"]),
+        ("time,tip_x\n0,1\n1,2\n0.9,3\n2,x\n", ["line 4, time", "0.9 does not rise"]),  # the first of two mistakes
+        ("time,tip_x\n0,1\n\n1,inf\n1,2,3\n", ["line 4, tip_x", "inf", "no plain number"]),
+        ("time,tip_x\n0,1\n1,1e999", ["line 3, tip_x", "1e999"]),
+        ("time,tip_x\n0,1\n1", ["line 3", "1 columns", "of 2"]),
+        ("time,tip_x\n0,1_0", ["line 2, tip_x", "1_0"]),
+        ("0,1\n1,2", ["line 1", "heading"]),
+        ("time,time [ms]\n0,1", ["line 1", "second time"]),
+        ("tip_x\n0", ["no column time"]),
+        ("time\n0", ["time alone"]),
+        (f"time,tip_x\n{'x' * 200_000}", ["no table of lines"]),
+        ("# origin = guessed\ntime,tip_x\n0,1", ["line 1, origin", "guessed", "measured"]),
+        ("# case = a\n# case = b\ntime,tip_x\n0,1", ["line 2", "twice"]),
+        ("# origin\ntime,tip_x\n0,1", ["line 1", "# key = value"]),
+    ],
+)
+def test_what_cannot_be_read_is_told(tmp_path: Path, text: str, words: list[str]) -> None:
+    told = refusal(tmp_path, text)
+    assert told.startswith(f"{tmp_path}/tool.csv: ")
+    assert "\n" not in told
+    for word in words:
+        assert word in told
+
+
+@pytest.mark.parametrize(
+    ("columns", "told"),
+    [
+        ({"time": [0.0, 1.0, 2.0], "crank_angle": [1.0, math.nan, 2.0]}, "row 1, crank_angle: nan is no plain number"),
+        ({"time": [0.0, -1.0, 1.0], "crank_angle": [1.0, 2.0, 3.0]}, "row 1, time: -1 does not rise"),
+        ({"time": [0.0, 1.0, "later"], "crank_angle": [1.0, 2.0, 3.0]}, 'row 2, time: "later" is no plain number'),
+        ({"time": [0.0, 1.0], "crank_angle": [1.0]}, "crank_angle: has the shape (1,)"),
+        ({"time": [0.0, 1.0], "crank_angel": [1.0, 2.0]}, 'heading: "crank_angel" (nearest: crank_angle) is no column'),
+    ],
+)
+def test_a_mistake_in_memory_is_named(columns: dict[str, list[Any]], told: str) -> None:
+    with pytest.raises(CaseError) as refused:
+        table_of(columns)
+    assert str(refused.value).startswith(f"table: {told}")
+    assert "\n" not in str(refused.value)
+
+
+def test_foreign_columns_in_memory_are_ignored_as_those_of_a_file() -> None:
+    table = table_of({"time [ms]": [0.0, 1.0], "tip_x": [1.0, 2.0], "world.g": [9.8, 9.8]})
+    assert table.told == "read as: ignored: world.g, 2 rows"
+    assert set(table.columns) == {"time", "tip_x"}
+
+
+ROWS_OF_TWO = "0;180;1234,5\n0,5;181,25;2\n"
+#: Text, arguments of `read_table`, and what is told.
+FORMS: dict[str, tuple[str | bytes, dict[str, Any], str]] = {
+    "semicolons": (f"\ufefftime [ms];crank_angle [deg];tip_x [mm]\r\n{ROWS_OF_TWO};;\r\n", {}, "semicolons, decimal comma"),
+    "tabs": ("Time (ms)\tcrank angle (deg)\tTip X (mm)\n0\t180\t1234.5\n0.5\t181.25\t2\n", {}, "tabulators"),
+    "cp1252": (f"time [ms];crank_angle [\u00b0];tip_x [mm]\n{ROWS_OF_TWO}".encode("cp1252"), {}, "semicolons, decimal comma"),
+    "UTF-16": (f"time [ms];crank_angle [\u00b0];tip_x [mm]\n{ROWS_OF_TWO}".encode("utf-16"), {}, "semicolons, decimal comma"),
+    "Exudyn": (
+        "#Exudyn version = 1.13.6; date=2026\n#sensor type = Body\n#time [ms],crank_angle [deg],tip_x [mm]\n0,180,1234.5\n0.5,181.25,2\n",
+        {},
+        "heading in a comment",
+    ),
+    "Dymola": ('"time [ms]","crank_angle [deg]","tip_x [mm]","world.g"\n0,180,1234.5,9.81\n0.5,181.25,2,9.81\n', {}, "ignored: world.g"),
+    "units below": (f"time;crank_angle;tip_x\nms;(deg);[mm]\n{ROWS_OF_TWO}", {}, "semicolons, units in the second row, decimal comma"),
+    "MATLAB": ("time,crank_angle [deg],tip_x [mm]\n0 sec,180,1234.5\n0.0005 sec,181.25,2\n", {}, "units in the cells"),
+    "blanks": ("% MBDyn\n  time [ms]  crank_angle [deg]  tip_x [mm]\n  0 180 1234.5\n 0.5   181.25 2\n", {}, "blanks, 1 comment line"),
+    "blanks and commas": (f"time [ms] crank_angle [deg] tip_x [mm]\n{ROWS_OF_TWO.replace(';', ' ')}", {}, "blanks, decimal comma"),
+    "pandas' index": (",time [ms],crank_angle [deg],tip_x [mm]\n0,0,180,1234.5\n1,0.5,181.25,2\n", {}, "ignored: column 1"),
+    "ends with a separator": ("time [ms];crank_angle [deg];tip_x [mm];\n0;180;1234.5;\n0.5;181.25;2;\n", {}, "semicolons"),
+    "a comment at the end": ("time [ms],crank_angle [deg],tip_x [mm]\n0,180,1234.5\n0.5,181.25,2\n# end\n", {}, ""),
+    "a title": ("Run 7, 2 s\ntime [ms],crank_angle [deg],tip_x [mm]\n0,180,1234.5\n0.5,181.25,2\n", {"skip": 1}, ""),
+    "a declared separator": (
+        f"time crank_angle;phi tip_x\n{ROWS_OF_TWO}",
+        {"separator": ";", "columns": {"1": "time [ms]", "2": "crank_angle [deg]", "3": "tip_x [mm]"}, "skip": 1},
+        "semicolons, decimal comma",
+    ),
+    "LabVIEW": (
+        "LabVIEW\t\nTime\t10:12:33,45\nX_Value\tcrank_angle\ttip_x\tComment\nms\tdeg\tmm\t\n0\t180\t1234,5\t\n0,5\t181,25\t2\t\n",
+        {"skip": 2, "columns": "X_Value = time"},
+        "tabulators, units in the second row, decimal comma, ignored: Comment",
+    ),
+}
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_forms_of_other_programs_are_recognised_or_declared(tmp_path: Path, form: str) -> None:
+    text, arguments, told = FORMS[form]
+    (tmp_path / "tool.csv").write_bytes(text.encode() if isinstance(text, str) else text)
+    table = read_table(tmp_path / "tool.csv", **arguments)
+    assert table.told == (f"read as: {told}, 2 rows" if told else "")
+    assert set(table.columns) == {"time", "crank_angle", "tip_x"}
+    np.testing.assert_allclose(table.columns["time"], [0.0, 5e-4], rtol=1e-14)
+    np.testing.assert_allclose(table.columns["crank_angle"], np.radians([180.0, 181.25]), rtol=1e-14)
+    np.testing.assert_allclose(table.columns["tip_x"], [1.2345, 2e-3], rtol=1e-14)
+
+
+def test_the_decimal_sign_that_is_declared_is_used(tmp_path: Path) -> None:
+    path = written(tmp_path, "time;tip_x\n0;3\n1;1,234\n")
+    assert read_table(path, decimal=",").columns["tip_x"][1] == pytest.approx(1.234, rel=1e-15)
+    with pytest.raises(CaseError, match='line 3, tip_x: "1,234" is no plain number'):
+        read_table(path, decimal=".")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"decimal": ";"}, ["decimal", '";"', '"." or ","']),
+        ({"separator": "tabs"}, ["separator", '"tabs"', '"tab"', '";"']),
+        ({"skip": -1}, ["skip", "-1", "whole number"]),
+        ({"columns": None}, ["columns", "None", "is not a text"]),
+    ],
+)
+def test_arguments_that_cannot_be_are_told(tmp_path: Path, arguments: dict[str, Any], words: list[str]) -> None:
+    with pytest.raises(CaseError) as told:
+        read_table(written(tmp_path, "time,tip_x\n0,1\n"), **arguments)
+    for word in words:
+        assert word in str(told.value)
+
+
+@pytest.mark.parametrize("path", [None, {"time": [0.0]}, 3, b"tool.csv"])
+def test_what_is_no_path_is_told(path: Any) -> None:
+    with pytest.raises(CaseError, match="is no path"):
+        read_table(path)
+
+
+FOREIGN = "t,phi,state,tip_x [mm]\n0,-90,on,1\n0.5,-450,off,2\n"
+MAPPED = ("t = time [ms]", "phi = -2 * crank_angle [deg] + 270")
+
+
+def test_columns_are_mapped_by_heading_with_sign_factor_offset_and_unit(tmp_path: Path) -> None:
+    table = read_table(written(tmp_path, FOREIGN), MAPPED)
+    np.testing.assert_allclose(table.columns["time"], [0.0, 5e-4], rtol=1e-14)
+    np.testing.assert_allclose(table.columns["crank_angle"], np.radians([180.0, 360.0]), rtol=1e-14)
+    np.testing.assert_allclose(table.columns["tip_x"], [1e-3, 2e-3], rtol=1e-14)
+    assert table.told == "read as: ignored: state, 2 rows"
+
+
+def test_a_mapping_beside_the_table_is_written_and_read(tmp_path: Path) -> None:
+    path = written(tmp_path, FOREIGN)
+    (tmp_path / "tool.toml").write_text(recorded.suggested_mapping(path, MAPPED))
+    table = read_table(path)
+    np.testing.assert_allclose(table.columns["crank_angle"], np.radians([180.0, 360.0]), rtol=1e-14)
+    assert "columns by" in table.told
+    assert "tool.toml" in table.told
+    (tmp_path / "tool.toml").write_text('name = "x"\n[mechanism]\n[columns]\n')  # a case file beside it
+    with pytest.raises(CaseError, match="no column"):
+        read_table(path)
+
+
+def test_a_table_without_headings_is_mapped_by_position(tmp_path: Path) -> None:
+    path = written(tmp_path, "0 7 1234,5\n0,5 8 2\n")
+    table = read_table(path, ["1 = time [ms]", "3 = tip_x [mm]"], separator="blank")
+    np.testing.assert_allclose(table.columns["time"], [0.0, 5e-4], rtol=1e-14)
+    np.testing.assert_allclose(table.columns["tip_x"], [1.2345, 2e-3], rtol=1e-14)
+    with pytest.raises(CaseError, match="numbers where a heading is due; name the columns by position"):
+        read_table(path, separator=" ")
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("phi", ["names no column", "crank.phi = crank_angle [deg]"]),
+        ("phi = crank_angel [deg]", ["crank_angel", "did you mean crank_angle"]),
+        ("phi = crank_angle [mm]", ["phi", "mm", "a length", "an angle"]),
+        ("phi = 0 * crank_angle", ["factor 0"]),
+        ("psi = crank_angle", ["psi", "no heading of this table", "t, phi, state"]),
+    ],
+)
+def test_a_mapping_that_cannot_be_is_told(tmp_path: Path, text: str, words: list[str]) -> None:
+    with pytest.raises(CaseError) as told:
+        read_table(written(tmp_path, FOREIGN), ["t = time [ms]", text])
+    for word in words:
+        assert word in str(told.value)
+
+
+def test_angles_that_wrap_are_made_continuous(tmp_path: Path) -> None:
+    turned = np.arange(170.0, 900.0, 7.0)
+    follower = 180.0 + 10.0 * np.sin(np.radians(turned))
+    rows = [f"{k},{(a + 180) % 360 - 180},{(b + 180) % 360 - 180}" for k, (a, b) in enumerate(zip(turned, follower, strict=True))]
+    table = read_table(written(tmp_path, "time,crank_angle [deg],follower_angle [deg]\n" + "\n".join(rows)))
+    np.testing.assert_allclose(table.columns["crank_angle"], np.radians(turned), rtol=1e-12)
+    np.testing.assert_allclose(table.columns["follower_angle"], np.radians(follower), rtol=1e-12)
+    assert "crank_angle made continuous, follower_angle made continuous" in table.told
+
+
+def test_a_name_is_safe_to_print(tmp_path: Path) -> None:
+    assert read_table(written(tmp_path, f"{HEADING}\n{ROWS}", "a\x1b[31m\n.csv")).name == "a\\x1b[31m\\n.csv"
+
+
+def test_files_that_are_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(CaseError, match=r"no such file; give the path of a recorded table"):
+        read_table(str(tmp_path / "none.csv"))
+    (tmp_path / "result.csv").write_bytes(b"time,tip_x\n\x00\x01\xff\x80\x07")
+    with pytest.raises(CaseError, match="is no text, but a program's own binary form; export it as plain text"):
+        read_table(str(tmp_path / "result.csv"))
+    monkeypatch.setattr(recorded, "MOST_ROWS", 3)
+    with pytest.raises(CaseError, match="has 5 rows; at most 3 are accepted"):
+        read_table(written(tmp_path, "time,tip_x\n" + "\n".join(f"{row},0" for row in range(5))))
+
+
+def test_a_suggested_mapping_keeps_the_unit_in_a_heading(tmp_path: Path) -> None:
+    text = recorded.suggested_mapping(written(tmp_path, "time_s,crank_angle_deg,Beam strain_1 (%)\n0,180,1\n"))
+    for line in ('"crank_angle_deg" = "-"  # perhaps crank_angle [deg]', "# perhaps time [s]", "# perhaps strain_1 [%]"):
+        assert line in text
+
+
+def test_a_heading_in_a_unit_of_another_quantity_is_foreign_and_no_misspelling(tmp_path: Path) -> None:
+    text = "time,Linear Acceleration x (m/s^2),acc (m/s^2)\n0,1,2\n"
+    table = read_table(written(tmp_path, text), ["acc = tip_acceleration"])
+    assert "ignored: Linear Acceleration x (m/s^2)" in table.told
+    np.testing.assert_array_equal(table.columns["tip_acceleration"], [2.0])
+
+
+@pytest.mark.parametrize("columns", [{"b": "tip_x"}, ["b = tip_x"], "b = tip_x"])
+def test_columns_are_given_as_a_text_as_texts_or_as_a_dictionary(tmp_path: Path, columns: Any) -> None:
+    np.testing.assert_array_equal(read_table(written(tmp_path, "time,b\n0,5\n"), columns).columns["tip_x"], [5.0])
+
+
+@pytest.mark.parametrize("comment", ["#Exudyn version = 1.13.6; Python3.11.2", "# orgin = x", "% source: a rig"])
+def test_comments_of_other_programs_are_left_alone(tmp_path: Path, comment: str) -> None:
+    table = read_table(written(tmp_path, f"{comment}\n# source = rig 7\ntime,tip_x\n0,1\n1,2\n"))
+    assert dict(table.declared) == {"source": "rig 7"}
+    assert table.columns["tip_x"].tolist() == [1.0, 2.0]
+
+
+@pytest.mark.parametrize("empty", ["", "nan", " ", '""', "NaN"])
+@pytest.mark.parametrize("separator", [",", ";"])
+def test_a_row_with_an_empty_cell_is_left_out_and_told(tmp_path: Path, empty: str, separator: str) -> None:
+    path, rows = tmp_path / "rig.csv", [[f"{0.001 * row:.3f}", f"{row}.5", f"{row}.25"] for row in range(3000)]
+    rows[17][1], rows[2000][2] = empty, empty
+    path.write_text("\n".join(separator.join(row) for row in [["time [s]", "tip_x [mm]", "strain_1"], *rows]) + "\n")
+    table = read_table(path)
+    assert "2 rows with an empty cell left out" in table.told
+    assert len(table.columns["time"]) == 2998
+    kept = [row for row in range(3000) if row not in (17, 2000)]
+    assert table.columns["strain_1"] == pytest.approx(np.array(kept) + 0.25)
+    assert table.columns["time"] == pytest.approx(1e-3 * np.array(kept), abs=1e-12)
+
+
+@pytest.mark.parametrize(("first", "numbers"), [("0", (0, 1, 2)), ("0", (0, 1)), ("1", (1, 2, 3))])
+@pytest.mark.parametrize("name", ["Strain_{}", "strain {}", "STRAIN-{}"])
+def test_names_may_be_counted_from_zero(tmp_path: Path, first: str, numbers: tuple[int, ...], name: str) -> None:
+    path = tmp_path / "rig.csv"
+    headings = [f"{name.format(number)} [ustrain]" for number in numbers]
+    path.write_text("\n".join([",".join(["time [s]", *headings]), "0" + ",7" * len(numbers), "1" + ",8" * len(numbers)]) + "\n")
+    table = read_table(path)
+    assert [column for column in table.columns if column != "time"] == [f"strain_{k + 1}" for k in range(len(numbers))]
+    assert ("names counted from 0" in table.told) is (first == "0")
+    assert table.columns["strain_1"] == pytest.approx([7e-6, 8e-6])
+    path.with_suffix(".toml").write_text(suggested_mapping(str(path)))  # what is suggested is read back as the same
+    again = read_table(path)
+    assert all(np.array_equal(again.columns[column], values) for column, values in table.columns.items())
+
+
+def test_a_unit_that_is_none_of_its_column_is_not_suggested(tmp_path: Path) -> None:
+    path = tmp_path / "rig.csv"
+    path.write_text("time [s],strain_1 [furlong],tip_x [mm]\n0,1,1\n1,2,2\n")
+    text = suggested_mapping(str(path))
+    assert '"strain_1 [furlong]" = "-"  # perhaps strain_1' in text
+    path.with_suffix(".toml").write_text(text)
+    assert set(read_table(path).columns) == {"time", "tip_x"}
+
+
+@pytest.mark.parametrize(
+    ("text", "offset", "drift"), [("+ 5 * time", 0.0, 5.0), ("+ 150 - 2.5 * time", 150.0, -2.5), ("- 1e1", -10.0, 0.0)]
+)
+def test_a_straight_line_is_taken_off(tmp_path: Path, text: str, offset: float, drift: float) -> None:
+    """In the unit of the table, and for each second whatever the time's unit."""
+    path, time = tmp_path / "rig.csv", np.arange(5.0, 15.0)
+    right = np.sin(time)
+    rows = np.column_stack([1e3 * time, 2.0 * right + offset + drift * time])
+    path.write_text("time [ms],gauge\n" + "\n".join(",".join(map(repr, row)) for row in rows.tolist()))
+    table = read_table(path, [f"gauge = 2 * strain_1 [microstrain] {text}"])
+    assert table.columns["strain_1"] == pytest.approx(1e-6 * right, abs=1e-15)
+
+
+def test_an_option_takes_the_place_of_the_mapping_beside_the_table(tmp_path: Path) -> None:
+    path = tmp_path / "rig.csv"
+    path.write_text("time [s],phi [deg]\n0,180\n1,190\n")
+    path.with_suffix(".toml").write_text('[columns]\n"phi [deg]" = "-"\n')
+    assert read_table(path, ["phi = crank_angle [deg]"]).columns["crank_angle"] == pytest.approx(np.radians([180.0, 190.0]))

@@ -1,0 +1,131 @@
+"""Estimates of measures, on pairs of runs whose errors are known."""
+
+import numpy as np
+import pytest
+
+from quickreturn.cases.motion.consensus import Consensus
+from quickreturn.cases.motion.cycle import ChannelMeasures, CycleMeasures
+from quickreturn.cases.motion.estimates import HalfSignal, MeasuredCycle, mean_estimate, turn_estimates, with_estimates
+from quickreturn.cases.motion.time_scale import CHANNELS
+from quickreturn.engines.error_parts import LEAST_FACTOR, Compared
+
+GRID = 360  # crank angles in a half
+ANGLES = np.linspace(0.0, 2.0 * np.pi, 401)
+
+
+def measures(error: float = 0.0, resolved: tuple[str, ...] = CHANNELS) -> CycleMeasures:
+    """All numbers of all channels off by a multiple of `error` that tells them apart."""
+
+    def of(half: str, channel: str) -> ChannelMeasures:
+        known = channel in resolved
+        return ChannelMeasures(
+            half=half,
+            channel=channel,
+            first_mode_frequency=17.0 + error if known else None,
+            first_mode_frequency_uncertainty=(0.1 if channel == "strain_1" else 0.2) if known else None,
+            first_mode_amplitude=2.0 + 2.0 * error if known else None,
+            first_mode_amplitude_uncertainty=0.1 if known else None,
+            second_mode_frequency=None,
+            minimum=-5.0 + 3.0 * error,
+            minimum_uncertainty=0.0,
+            maximum=5.0 + 4.0 * error,
+            maximum_uncertainty=0.0,
+            reason="",
+        )
+
+    found = tuple(of(half, channel) for half in ("pre", "post") for channel in CHANNELS)
+    return CycleMeasures(found, tuple(Consensus(half, 17.0 + error if resolved else None, 0.1) for half in ("pre", "post")))
+
+
+def cycle(error: float = 0.0, resolved: tuple[str, ...] = CHANNELS, tilt: float = 0.0) -> MeasuredCycle:
+    """A cycle whose signals are higher by `tilt` at the end of each half and lower by as much at its beginning."""
+    signal = np.sin(np.linspace(0.0, np.pi, GRID)) + np.linspace(-tilt, tilt, GRID)
+    signals = {(half, channel): HalfSignal.of(signal[None]) for half in ("pre", "post") for channel in CHANNELS}
+    return MeasuredCycle(measures(error, resolved), signals, rms={}, change={}, numbers={})
+
+
+def test_parts_are_differences_over_the_factor_less_one_and_add_up() -> None:
+    # an error of 0.1 in the first part, of which the other run has four times as much; of 0.02 in the second, where it has a quarter
+    delivered = cycle(0.1)
+    compared = [Compared(delivered, cycle(0.4), 4.0), Compared(cycle(0.02), cycle(0.005), 0.25)]
+    for measure in with_estimates(delivered.measures, compared)[0]:
+        assert measure.first_mode_frequency_estimate == pytest.approx(0.12)
+        assert measure.first_mode_amplitude_estimate == pytest.approx(2.0 * 0.12)
+        assert measure.minimum == -5.0 + 0.3
+
+
+def test_an_order_that_is_not_there_is_not_counted_on() -> None:
+    """Errors of 0.1, 0.2 and 0.3 where the factors promise fourfold ones: the least factor is all that is credited."""
+    delivered, coarser, coarsest = cycle(0.1), cycle(0.2), cycle(0.3)
+    found = with_estimates(delivered.measures, [Compared(delivered, coarser, 4.0, (coarsest, 4.0))])
+    assert found[0][0].first_mode_frequency_estimate == pytest.approx(0.1 / (LEAST_FACTOR - 1.0))
+    blind = cycle(0.3, resolved=())
+    found = with_estimates(delivered.measures, [Compared(delivered, coarser, 4.0, (blind, 4.0))])
+    assert found[0][0].first_mode_frequency_estimate == pytest.approx(0.1 / (LEAST_FACTOR - 1.0))
+
+
+def test_extremes_that_are_alike_by_accident_are_not_taken_for_right() -> None:
+    """The signals are tilted against each other: 0.4 apart at the ends, and with the same maximum to 2 %."""
+    delivered = cycle()
+    for measure in with_estimates(delivered.measures, [Compared(delivered, cycle(tilt=0.4), 3.0)])[0]:
+        assert measure.maximum_estimate == measure.minimum_estimate == pytest.approx(0.2)
+        assert measure.first_mode_frequency_estimate == 0.0
+
+
+def test_what_one_run_does_not_resolve_has_no_estimate() -> None:
+    delivered, blind = cycle(0.1), cycle(0.4, resolved=("strain_2",))
+    for run, other in ((delivered, blind), (blind, delivered)):
+        found = with_estimates(delivered.measures, [Compared(run, other, 4.0)])
+        for measure in found[0]:
+            assert (measure.first_mode_frequency_estimate is not None) == (measure.channel == "strain_2")
+            assert measure.minimum_estimate is not None
+        assert [consensus.first_mode_frequency_estimate for consensus in found[1]] == pytest.approx([0.1, 0.1])
+
+
+def test_numbers_of_a_turn_are_compared_themselves_and_are_no_better_than_their_columns() -> None:
+    """A crank whose speed varies by 2 % in the delivered turn and by 3 % in one with four times the error."""
+
+    def turn(variation: float) -> MeasuredCycle:
+        columns = {"time": ANGLES / 10.0, "crank_angle": np.pi + ANGLES, "crank_speed": 10.0 + 5.0 * variation * np.cos(ANGLES)}
+        return MeasuredCycle.of([columns], measures())
+
+    delivered, other = turn(0.02), turn(0.03)
+    assert delivered.numbers == pytest.approx({"mean.crank_speed": 10.0, "variation.crank_speed": 0.02})
+    (found,) = turn_estimates([Compared(delivered, other, 4.0)])["variation.crank_speed"].values()
+    of_column = 5.0 * 0.01 / np.sqrt(2.0) / 10.0  # RMS difference of the speeds over their RMS
+    assert found == pytest.approx((0.01 + 0.25 * of_column * 0.02) / 3.0, rel=1e-3)
+    by_accident = turn_estimates([Compared(delivered, turn(-0.02), 4.0)])["variation.crank_speed"]["number"]
+    assert by_accident == pytest.approx(0.25 * 4.0 * of_column * 0.02 / 3.0, rel=1e-3)
+
+
+def test_without_pairs_there_are_no_estimates() -> None:
+    found = with_estimates(measures(), [])
+    numbers = [value for row in (*found[0], *found[1]) for key, value in vars(row).items() if key.endswith("_estimate")]
+    assert numbers == [None] * (8 * 4 + 2)
+
+
+def test_a_mean_is_off_by_at_most_the_mean_of_what_its_channels_are_off_by() -> None:
+    def row(half: str, channel: str, uncertainty: float | None, estimate: float | None) -> ChannelMeasures:
+        return ChannelMeasures(
+            half, channel, 17.0, uncertainty, None, None, None, -1.0, 0.0, 1.0, 0.0, "", first_mode_frequency_estimate=estimate
+        )
+
+    rows = [row("pre", "strain_1", 0.1, 0.3), row("pre", "strain_2", 0.2, 0.8), row("post", "strain_2", 0.2, 9.0)]
+    rows.append(row("pre", "strain_3", None, None))
+    assert mean_estimate(rows, "pre") == pytest.approx((100.0 * 0.3 + 25.0 * 0.8) / 125.0)
+    assert mean_estimate(rows, "pre", ["strain_2"]) == pytest.approx(0.8)
+    assert mean_estimate(rows, "pre", ["strain_3"]) is None
+
+
+def test_signals_are_compared_by_crank_angle_in_each_half() -> None:
+    """The second cycle is 0.02 higher after the return, and its rows lie elsewhere."""
+
+    def columns(angles: np.ndarray, offset: float) -> dict[str, np.ndarray]:
+        signal = np.sin(angles) + offset * np.clip((angles - np.pi) * 1e3, 0.0, 1.0)
+        return {"time": angles / 10.0, "crank_angle": np.pi + angles, **dict.fromkeys(CHANNELS, signal)}
+
+    uneven = 2.0 * np.pi * (np.linspace(0.0, 1.0, 3001) ** 1.1)
+    one, other = (MeasuredCycle.of([columns(*of)], measures()) for of in ((ANGLES, 0.0), (uneven, 0.02)))
+    for channel in CHANNELS:
+        assert one.signals["pre", channel].values == pytest.approx(other.signals["pre", channel].values, abs=1e-4)
+        assert one.signals["post", channel].values[5:] + 0.02 == pytest.approx(other.signals["post", channel].values[5:], abs=1e-4)

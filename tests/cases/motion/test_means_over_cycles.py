@@ -1,0 +1,91 @@
+"""Runs whose cycles keep changing: what becomes of cycles with known statistics, and a rattling slider."""
+
+import itertools
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.motion.endings import Ending
+from quickreturn.cases.motion.estimates import HalfSignal, MeasuredCycle, extreme_estimates
+from quickreturn.cases.motion.marching import channels_of, settle
+from quickreturn.cases.motion.mean_cycle import AVERAGED
+from quickreturn.cases.motion.request import RunRequest
+from quickreturn.cases.motion.settling import GREATEST_NUMBER, Cycle
+from quickreturn.cases.motion.steady_state import steady_state
+from quickreturn.cases.motion.time_scale import CHANNELS
+from quickreturn.engines.error_parts import Compared
+from quickreturn.reference_model.scene_values import changed
+from tests.cases.motion.test_estimates import measures
+
+ANGLES = np.linspace(0.0, 2.0 * np.pi, 101)
+
+
+def cycles(trend: float = 0.0, growth: float = 1.0, ratio: float = 0.5, seed: int = 1) -> Iterator[Cycle]:
+    """A sine that approaches its steady state with `ratio`, under scatter of ten harmonics that grows from cycle to cycle, with a trend."""
+    random = np.random.default_rng(seed)
+    for number in itertools.count():
+        scatter = 0.03 * growth**number * random.standard_normal(10) @ np.cos(np.outer(np.arange(1, 11), ANGLES))
+        signal = np.sin(ANGLES) + (ratio**number + trend * number) * np.cos(3.0 * ANGLES) + scatter
+        yield Cycle(0.5 * (number + ANGLES / (2.0 * np.pi)), np.pi + ANGLES, dict.fromkeys(CHANNELS, signal))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_cycles_that_keep_changing_are_all_measured(seed: int) -> None:
+    found, settling = settle(cycles(seed=seed))
+    assert not settling.settled
+    assert (len(found), settling.cycles) == (AVERAGED, GREATEST_NUMBER)
+    assert found[-1]["time"][-1] == pytest.approx(0.5 * GREATEST_NUMBER)
+
+
+@pytest.mark.parametrize("others", [{"trend": 0.02}, {"growth": 1.1}, {"growth": 0.94}, {"ratio": 0.98}])
+@pytest.mark.parametrize("seed", range(5))
+def test_drift_growth_and_a_slow_approach_are_not_averaged(others: dict[str, float], seed: int) -> None:
+    found, settling = settle(cycles(**others, seed=seed))
+    assert not settling.settled
+    assert len(found) == 1
+
+
+def test_a_settled_cycle_is_measured_alone() -> None:
+    found, settling = settle(Cycle(one.time, one.crank_angle, one.channels) for one in cycles(growth=0.0))
+    assert settling.settled
+    assert len(found) == 1
+    assert channels_of(found[0]).time[-1] == pytest.approx(0.5 * settling.cycles)
+
+
+def test_estimates_compare_the_mean_extremes_and_the_mean_signals() -> None:
+    """The other run's cycles are the same in another order, then all 0.2 higher, then with a peak of 1 at another angle in each."""
+    signals = np.random.default_rng(2).standard_normal((AVERAGED, 360))
+    peaks = signals + 10.0 * np.eye(AVERAGED, 360)
+
+    def estimate(other: np.ndarray) -> float:
+        halves = (HalfSignal.of(values) for values in (signals, other))
+        one, two = (MeasuredCycle(measures(), {("pre", "strain_1"): half}, rms={}, change={}, numbers={}) for half in halves)
+        return extreme_estimates([Compared(one, two, 2.0)])["strain_1"]["pre"]
+
+    assert estimate(signals[::-1]) == pytest.approx(0.0, abs=1e-14)
+    assert estimate(signals + 0.2) == pytest.approx(0.2)
+    assert estimate(peaks) == pytest.approx(np.mean(peaks.max(axis=1) - signals.max(axis=1)))
+
+
+@pytest.mark.verify
+def test_a_rattling_slider_repeats_in_statistics_only() -> None:
+    """A rigid follower, which strikes the rollers several times in a turn."""
+    rigid = load_case("example", {"follower.bending_stiffness": "inf"}).mechanism
+    scene = changed(rigid, {"slider.joint_stiffness": 1e5, "slider.clearance": 5e-4, "slider.contact_damping": 0.5})
+    run = steady_state(RunRequest(mechanism=scene, duration=0.1, engine="reference", estimated=False))
+    assert (run.status, run.approach.settled) == (Ending.SETTLED, True)
+    assert (run.approach.averaged_cycles, run.approach.cycles) == (AVERAGED, GREATEST_NUMBER)
+    assert "means over the last 30 of 60 cycles" in run.remark
+    acceleration, middle = run.cycle["tip_acceleration"], len(run.cycle["time"]) // 2
+    halves = {"pre": acceleration[:middle], "post": acceleration[middle:]}
+    apart = [
+        abs(mean / last - 1.0)
+        for measure in run.measured.measures
+        if measure.channel == "tip_acceleration"
+        for mean, last in zip((measure.minimum, measure.maximum), (halves[measure.half].min(), halves[measure.half].max()), strict=True)
+    ]
+    # means, and not the last cycle's: these lie in a scatter that is many times the standard error of the mean of thirty, though one of
+    # them may lie near its mean by chance
+    assert max(apart) > 0.01

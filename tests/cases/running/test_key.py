@@ -1,0 +1,211 @@
+"""Keys of results: they change with what determines the result, the code among it, and with nothing else."""
+
+import dataclasses
+import importlib
+import math
+import pickle
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.motion.solving import frequencies_job
+from quickreturn.cases.running import imported_modules, key
+from quickreturn.cases.running.job import Job, Limits
+from quickreturn.cases.running.key import ONLY_TALK, code_fingerprint, code_of, hash_of, key_of, sources_of
+from quickreturn.engines.plugins import plugins
+from quickreturn.plugins.studies.sweep import grid
+from quickreturn.plugins.studies.sweep.rows import MeasureRequest
+from tests.engines.fake_engine import FakeEngine
+from tests.engines.scenes import run_24
+
+
+@pytest.fixture
+def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A package `fingerprinted` of two files and a folder."""
+    folder = tmp_path / "fingerprinted"
+    (folder / "inner").mkdir(parents=True)
+    for name, text in {"__init__": "", "one": "a = 1\n", "inner/__init__": "", "inner/two": "b = 2\n"}.items():
+        (folder / f"{name}.py").write_text(text)
+    monkeypatch.syspath_prepend(tmp_path)
+    for name in [name for name in sys.modules if name.partition(".")[0] == "fingerprinted"]:  # of another test
+        monkeypatch.delitem(sys.modules, name)
+    importlib.invalidate_caches()
+    return folder
+
+
+def fresh(*parts: str) -> str:
+    """As a new process would compute it: a process reads the sources once."""
+    key._source_hash.cache_clear()
+    return code_fingerprint(parts)
+
+
+def test_every_edit_counts_and_undoing_it_restores(package: Path) -> None:
+    seen = {fresh("fingerprinted")}
+    (package / "inner" / "two.py").write_text("b = 3\n")
+    seen.add(fresh("fingerprinted"))
+    (package / "three.py").write_text("")
+    seen.add(fresh("fingerprinted"))
+    (package / "one.py").rename(package / "four.py")
+    seen.add(fresh("fingerprinted"))
+    assert len(seen) == 4
+    (package / "four.py").rename(package / "one.py")
+    (package / "three.py").unlink()
+    (package / "inner" / "two.py").write_text("b = 2\n")
+    assert fresh("fingerprinted") in seen
+
+
+def test_data_files_do_not_count(package: Path) -> None:
+    before = fresh("fingerprinted")
+    (package / "notes.md").write_text("nothing")
+    assert fresh("fingerprinted") == before
+
+
+def test_a_module_can_be_a_part(package: Path) -> None:
+    before = fresh("fingerprinted.one")
+    (package / "inner" / "two.py").write_text("b = 4\n")
+    assert fresh("fingerprinted.one") == before
+    (package / "one.py").write_text("a = 2\n")
+    assert fresh("fingerprinted.one") != before
+
+
+def test_own_code_of_a_third_party_engine_counts() -> None:
+    assert code_fingerprint(engine=FakeEngine()) != code_fingerprint()
+
+
+def function_in(module: str) -> Any:
+    """A function of a module, read anew."""
+    key._hash_of_module.cache_clear()
+    imported_modules._imports.cache_clear()
+    imported_modules.text_of.cache_clear()
+    return SimpleNamespace(__module__=module)
+
+
+def test_what_a_function_imports_counts_and_nothing_else(package: Path) -> None:
+    (package / "one.py").write_text("def work():\n    from fingerprinted.inner import two\n    return two.b\n")
+    (package / "apart.py").write_text("")
+    before = code_of(function_in("fingerprinted.one"))
+    for name, text, counts in (("apart", "c = 1\n", False), ("inner/two", "b = 3\n", True), ("inner/__init__", "d = 4\n", True)):
+        (package / f"{name}.py").write_text(text)
+        after = code_of(function_in("fingerprinted.one"))
+        assert (after != before) == counts, name
+        before = after
+
+
+#: Function of a stored job -> some of the modules that it uses, and some that it does not.
+USES = {
+    "plugins.studies.sweep.grid.measured_row": (
+        "cases.files.document cases.files.copies cases.files.units cases.files.reading cases.motion.catalogue cases.loads.stress"
+        " cases.motion.steady_state",
+        "plugins.studies.sweep.study cases.comparison.engines",
+    ),
+    "plugins.methods.judging.matrix.evidence_of": (
+        "cases.files.variation plugins.methods.judging.evidence",
+        "cases.comparison.column_differences",
+    ),
+    "plugins.conform.contract.conform": ("plugins.conform.quantities plugins.conform.rods", "cases.comparison.engines"),
+    "cases.motion.steady_state.steady_state": (
+        "cases.motion.drifting_fit cases.motion.marching",
+        "cases.comparison.engines cases.comparison.column_differences plugins.studies.sweep.rows",
+    ),
+    "cases.motion.orbit.find_orbit": ("cases.motion.orbit", "cases.comparison.engines"),
+    "cases.motion.solving.answer_to": ("cases.motion.solving", "cases.files.document cases.motion.steady_state"),
+    "plugins.studies.resonance_curve.search.resonance_curve": (
+        "cases.files.copies cases.files.reading cases.loads.peak",
+        "cases.comparison.engines",
+    ),
+    "plugins.methods.benchmark.measurement.pinned": (
+        "plugins.methods.trials.truth plugins.methods.trials.methods",
+        "cases.comparison.engines",
+    ),
+    "plugins.methods.classes.measurement.measured": (
+        "plugins.methods.classes.groups plugins.methods.trials.truth",
+        "cases.comparison.engines",
+    ),
+    "plugins.thesis.finding.response.respond": ("cases.motion.half_cycle cases.motion.marching", "cases.comparison.engines"),
+    "plugins.thesis.modes.thesis_modes": ("plugins.thesis.modes", "cases.comparison.engines"),
+}
+
+
+@pytest.mark.parametrize("name", USES)
+def test_the_key_of_a_stored_job_has_what_it_uses_and_not_what_only_talks(name: str) -> None:
+    used, others = (texts.split() for texts in USES[name])
+    module, _, function = f"quickreturn.{name}".rpartition(".")
+    assert callable(getattr(importlib.import_module(module), function))
+    sources = sources_of(module)
+    assert {f"quickreturn.{each}" for each in used} <= sources.keys()
+    assert {"quickreturn.reference_model.model", "quickreturn.engines.own.reference", "quickreturn.cases.running.records"} <= sources.keys()
+    assert not {f"quickreturn.{each}" for each in others} & sources.keys()
+    assert not {"quickreturn.cases.running.display", "quickreturn.engines.progress", "quickreturn.cases.files.printable"} & sources.keys()
+
+
+RUNNING = """
+import pickle, sys
+function, arguments = pickle.load(sys.stdin.buffer)
+function(*arguments)
+print(*(name for name in sys.modules if name.startswith("quickreturn.")))
+"""
+
+
+def row() -> Job[Any]:
+    asked = MeasureRequest(measures=("peak.stress", "multiplier"), claims=False, accuracy=0.05)
+    return grid.job(load_case("shaper-cutting"), [{"follower.thickness": "50 mm"}], asked)
+
+
+def frequencies() -> Job[Any]:
+    return frequencies_job("frequencies", run_24(), "reference", [1.0], 2, {})
+
+
+@pytest.mark.parametrize("made", [frequencies, pytest.param(row, marks=pytest.mark.verify)])
+def test_a_job_loads_no_module_that_its_key_lacks(made: Callable[[], Job[Any]]) -> None:
+    """In a process of its own, as a worker gets it."""
+    asked = made()
+    order = pickle.dumps((asked.function, asked.arguments))
+    loaded = subprocess.run([sys.executable, "-P", "-c", RUNNING], input=order, capture_output=True, check=True).stdout.decode().split()
+    assert asked.function.__module__ in loaded
+    quiet = tuple(f"{each}." for each in ONLY_TALK)
+    registry = {f"quickreturn.plugins.{name}{of}" for name in plugins() for of in ("", ".plugin")}  # texts of what there is
+    assert {name for name in loaded if not f"{name}.".startswith(quiet)} - sources_of(asked.function.__module__).keys() <= registry
+
+
+def test_missing_part_is_an_error() -> None:
+    with pytest.raises(ModuleNotFoundError, match="no_such_part"):
+        code_fingerprint(("no_such_part",))
+
+
+def job(**changes: Any) -> Job[Any]:
+    return dataclasses.replace(Job("one", len, ((1, 2),), "trial", ("reference",)), **changes)
+
+
+def test_a_result_is_told_apart_by_all_that_determines_it_and_by_nothing_else() -> None:
+    changes: list[dict[str, Any]] = [{"function": sum}, {"arguments": ((1, 3),)}, {"inputs": "other"}, {"kind": "other"}, {"engines": ()}]
+    others = [job(**change) for change in changes]
+    assert len({key_of(each) for each in (job(), *others)}) == 1 + len(others)
+    assert key_of(job()) == key_of(job(name="two", limits=Limits(seconds=1.0))) == key_of(job(inputs=((1, 2),)))
+
+
+def test_key_tells_everything_apart_that_matters() -> None:
+    one_bit = math.nextafter(0.1, 1.0)
+    values = [1, 1.0, "1", True, None, [1], math.inf, math.nan, 0.1, one_bit, np.zeros(3), np.zeros((3, 1)), np.ones(3)]
+    scenes = [run_24(), run_24(tip=None), run_24(gravity=(0.0, -9.81))]
+    contents = [{"b": 1}, *({"a": value} for value in (*values, *scenes))]
+    assert len({hash_of(content) for content in contents}) == len(contents)
+
+
+def test_key_does_not_depend_on_the_order_of_names_or_on_the_process() -> None:
+    assert hash_of({"a": 1, "b": (2, 3)}) == hash_of({"b": [2, 3], "a": 1})
+    code = "from quickreturn.cases.running.key import hash_of; from tests.engines.scenes import run_24; print(hash_of({'scene': run_24()}))"
+    root = Path(__file__).parents[3]
+    answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=root)
+    assert answer.stdout.strip() == hash_of({"scene": run_24()})
+
+
+def test_key_refuses_what_has_no_canonical_form() -> None:
+    with pytest.raises(TypeError, match="object has no canonical form"):
+        hash_of({"a": object()})

@@ -1,0 +1,148 @@
+"""Stored results: what comes back is what went in, or nothing at all and a notice."""
+
+import math
+import os
+import subprocess
+import sys
+import textwrap
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from quickreturn.cases.running.store import Record, Store, StoreError
+
+KEY = 64 * "a"
+
+
+def filled(folder: Path) -> tuple[Store, Path]:
+    store = Store(folder)
+    store.put(KEY, Record({"error": 1e-3, "names": ["a", "ä"]}, {"time": np.arange(4) / 3.0, "empty": np.zeros((0, 2))}))
+    (file,) = folder.glob("*.result")
+    return store, file
+
+
+def fetched(store: Store) -> Record:
+    entry = store.get(KEY)
+    assert entry is not None
+    return entry
+
+
+def test_entry_comes_back_bit_for_bit(tmp_path: Path) -> None:
+    filled(tmp_path)
+    entry = fetched(Store(tmp_path))
+    assert entry.document == {"error": 1e-3, "names": ["a", "ä"]}
+    assert np.array_equal(entry.arrays["time"], np.arange(4) / 3.0)
+    assert entry.arrays["empty"].shape == (0, 2)
+
+
+def test_absent_entry_is_no_notice(tmp_path: Path) -> None:
+    store = Store(tmp_path)
+    assert store.get(KEY) is None
+    assert store.notices == []
+
+
+@pytest.mark.parametrize("length", [0, 10, 90, 300, -1])
+def test_truncated_entry_is_found_and_said(tmp_path: Path, length: int) -> None:
+    store, file = filled(tmp_path)
+    file.write_bytes(file.read_bytes()[:length])
+    assert store.get(KEY) is None
+    assert len(store.notices) == 1
+    assert "is truncated or was edited; it is computed anew" in store.notices[0]
+
+
+@pytest.mark.parametrize("place", [0, 30, 100, -1])
+def test_one_edited_byte_is_found(tmp_path: Path, place: int) -> None:
+    store, file = filled(tmp_path)
+    content = bytearray(file.read_bytes())
+    content[place] ^= 1
+    file.write_bytes(content)
+    assert store.get(KEY) is None
+    assert len(store.notices) == 1
+    store.put(KEY, Record({"error": 2e-3}))
+    assert fetched(store).document == {"error": 2e-3}
+
+
+def test_entry_moved_to_another_key_is_found(tmp_path: Path) -> None:
+    store, file = filled(tmp_path)
+    other = 64 * "b"
+    file.rename(file.with_name(file.name.replace(KEY, other)))
+    assert store.get(other) is None
+    assert len(store.notices) == 1
+
+
+def test_folder_in_place_of_an_entry_is_a_notice(tmp_path: Path) -> None:
+    store, file = filled(tmp_path)
+    file.unlink()
+    file.mkdir()
+    assert store.get(KEY) is None
+    assert "is a directory" in store.notices[0]
+
+
+def test_folder_from_the_environment(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("QUICKRETURN_STORE", str(tmp_path / "deep" / "store"))
+    assert Store().folder == tmp_path / "deep" / "store"
+    monkeypatch.delenv("QUICKRETURN_STORE")
+    monkeypatch.chdir(tmp_path)
+    Store()
+    assert (tmp_path / ".quickreturn").is_dir()
+
+
+def test_a_tilde_in_the_environment_is_the_home_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A shell leaves it as it is inside quotation marks."""
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("QUICKRETURN_STORE", "~/st")
+    assert Store().folder == tmp_path / "home" / "st"
+    assert not (tmp_path / "~").exists()
+
+
+def test_file_where_the_folder_should_be(tmp_path: Path) -> None:
+    (tmp_path / "store").write_text("")
+    with pytest.raises(StoreError, match=r"cannot be created or written .* set QUICKRETURN_STORE"):
+        Store(tmp_path / "store")
+
+
+def test_a_list_of_numbers_is_an_array(tmp_path: Path) -> None:
+    store = Store(tmp_path)
+    store.put(KEY, Record({}, {"a": [1.0, 2.5]}))  # type: ignore[dict-item]
+    entry = store.get(KEY)
+    assert entry is not None
+    assert entry.arrays["a"].tolist() == [1.0, 2.5]
+
+
+def test_nothing_but_plain_data_is_stored(tmp_path: Path) -> None:
+    store = Store(tmp_path)
+    with pytest.raises(ValueError, match="plain numbers"):
+        store.put(KEY, Record({}, {"a": np.array([object()])}))
+    with pytest.raises(ValueError, match="JSON compliant"):
+        store.put(KEY, Record({"a": math.nan}))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_temporary_files_of_killed_runs_are_cleared_but_not_those_of_living_ones(tmp_path: Path) -> None:
+    old, new = tmp_path / ".a.part", tmp_path / ".b.part"
+    for file in (old, new):
+        file.write_text("half a result")
+    hours_ago = time.time() - 7200.0
+    os.utime(old, (hours_ago, hours_ago))
+    Store(tmp_path)
+    assert not old.exists()
+    assert new.exists()
+
+
+def test_two_runs_on_one_store_never_see_half_an_entry(tmp_path: Path) -> None:
+    code = f"""
+        import sys, numpy
+        from pathlib import Path
+        from quickreturn.cases.running.store import Record, Store
+        store, number = Store(Path({str(tmp_path)!r})), int(sys.argv[1])
+        for turn in range(30):
+            store.put({KEY!r}, Record({{"number": number}}, {{"a": numpy.full(2000, float(number))}}))
+            entry = store.get({KEY!r})
+            assert (entry.arrays["a"] == entry.document["number"]).all()
+        assert store.notices == []
+    """
+    runs = [subprocess.Popen([sys.executable, "-c", textwrap.dedent(code), number]) for number in ("1", "2")]
+    assert [run.wait() for run in runs] == [0, 0]

@@ -1,0 +1,123 @@
+"""A campaign continues where it stopped: what was computed is not computed again, what was stopped from outside is.
+
+The work is done by functions of the standard library, so that every worker can import them.
+"""
+
+import copy
+import operator
+import os
+import signal
+import time
+from collections.abc import Generator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from quickreturn.cases.running.job import Job, Limits, Outcome, V, Watch
+from quickreturn.cases.running.processes import LocalProcesses
+from quickreturn.cases.running.store import Record, Store
+from quickreturn.cases.running.workshop import Workshop
+
+
+class Watched(LocalProcesses):
+    """Notes the names of the jobs that it was given."""
+
+    def __init__(self, limits: Limits | None = None) -> None:
+        super().__init__(2, limits)
+        self.started: list[str] = []
+
+    def run(self, jobs: Sequence[Job[V]], watch: Watch | None = None) -> Generator[Outcome[V], None, None]:
+        self.started += [job.name for job in jobs]
+        return super().run(jobs, watch)
+
+
+def job(number: int, function: Any = copy.copy, arguments: tuple[Any, ...] | None = None, **changes: Any) -> Job[Any]:
+    value = {"value": number, "row": np.full(3, number)}
+    return Job(f"{number}", function, arguments or (value,), **({"kind": "trial"} | changes))
+
+
+@pytest.fixture
+def executor() -> Watched:
+    return Watched()
+
+
+@pytest.fixture
+def workshop(tmp_path: Path, executor: Watched) -> Workshop:
+    return Workshop(Store(tmp_path), executor)
+
+
+def test_only_what_is_missing_is_computed(workshop: Workshop, executor: Watched) -> None:
+    (first,) = workshop.outcomes([job(1)], "trials")
+    both = workshop.outcomes([job(2), job(1)], "trials")
+    assert executor.started == ["1", "2"]
+    assert [outcome.job.name for outcome in both] == ["2", "1"]
+    assert [outcome.value["value"] for outcome in both] == [2, 1]
+    for outcome in (first, both[1]):
+        assert np.array_equal(outcome.value["row"], np.full(3, 1))
+
+
+def test_another_kind_of_result_shares_nothing(workshop: Workshop, executor: Watched) -> None:
+    for each in (job(1), job(1, kind="other"), job(1, copy.deepcopy, inputs=1), job(1, engines=("reference",))):
+        workshop.outcomes([each], "trials")
+    assert executor.started == ["1"] * 4
+
+
+def test_what_breaks_is_kept_and_takes_nothing_with_it(workshop: Workshop, executor: Watched) -> None:
+    for _ in range(2):
+        broken, good = workshop.outcomes([job(1, operator.truediv, (1, 0)), job(2)], "trials")
+        assert (broken.value, broken.failure) == (None, "raised ZeroDivisionError: division by zero")
+        assert good.value["value"] == 2
+    assert executor.started == ["1", "2"]
+
+
+@pytest.mark.parametrize(
+    ("function", "arguments", "failure"),
+    [
+        (time.sleep, (60,), "stopped at the time limit"),
+        (operator.mul, ("x", 2**62), "ran out of memory"),
+        (os.rmdir, ("/nowhere",), "raised FileNotFoundError"),
+        (__import__, ("no_such_library",), "raised ModuleNotFoundError"),
+        (os._exit, (7,), "ended without a result"),
+        (signal.raise_signal, (int(signal.SIGSEGV),), "killed by SIGSEGV"),
+    ],
+)
+def test_what_the_machine_did_or_lacked_is_tried_again(tmp_path: Path, function: Any, arguments: tuple[Any, ...], failure: str) -> None:
+    executor = Watched(Limits(seconds=0.3 if function is time.sleep else 60.0, memory=2**30))
+    for _ in range(2):
+        (outcome,) = Workshop(Store(tmp_path), executor).outcomes([job(1, function, arguments)], "trials")
+        assert outcome.failure.startswith(failure)
+    assert executor.started == ["1", "1"]
+
+
+def test_nothing_is_computed_unless_asked(workshop: Workshop, executor: Watched) -> None:
+    assert workshop.stored(job(1)) is None
+    assert executor.started == []
+    workshop.outcomes([job(1)], "trials")
+    found = workshop.stored(job(1))
+    assert found is not None
+    assert found.value["value"] == 1
+
+
+def test_what_cannot_be_stored_is_told_and_takes_nothing_with_it(workshop: Workshop) -> None:
+    bad, good = workshop.outcomes([job(1, arguments=({"value": {1, 2}},), inputs="bad"), job(2)], "trials")
+    assert good.value["value"] == 2
+    assert bad.failure == "its result cannot be stored: Object of type set is not JSON serializable"
+
+
+def test_equal_jobs_are_computed_once(workshop: Workshop, executor: Watched) -> None:
+    outcomes = workshop.outcomes([job(number, inputs="the same") for number in (1, 2)], "trials")
+    assert [outcome.value["value"] for outcome in outcomes] == [1, 1]
+    assert [outcome.job.name for outcome in outcomes] == ["1", "2"]
+    assert executor.started == ["1"]
+
+
+def test_an_entry_that_was_made_of_something_else_is_computed_anew_with_a_notice(workshop: Workshop, executor: Watched) -> None:
+    workshop.outcomes([job(1)], "trials")
+    (file,) = workshop.store.folder.glob("*.result")
+    workshop.store.put(file.stem, Record({"nothing": "of the kind"}))
+    (outcome,) = workshop.outcomes([job(1)], "trials")
+    assert outcome.value["value"] == 1
+    assert executor.started == ["1", "1"]
+    assert "it is computed anew" in workshop.store.notices[0]
