@@ -21,7 +21,6 @@ from quickreturn.engines.base import (
     EstimateOf,
     ModelDescription,
 )
-from quickreturn.engines.compiling import compile_seconds
 from quickreturn.engines.error_parts import (
     ESTIMATED,
     TIP,
@@ -35,7 +34,7 @@ from quickreturn.engines.error_parts import (
     starts_suddenly,
     total,
 )
-from quickreturn.engines.one_run import CompletedRun, Remembered, run_once
+from quickreturn.engines.one_run import CompletedRun, Remembered, compile_seconds, run_once
 from quickreturn.engines.one_thread import on_one_thread
 from quickreturn.engines.relative import rms
 from quickreturn.engines.settings import Settings

@@ -36,12 +36,12 @@ KERNEL = """
 reference_model: columns eigenproblem errors follower mechanism natural_modes quantities rigid scene_values shapes slider
     splines spring tip tip_force
 reference_model.native: cache_folder turn
-engines: accurate base compiling error_parts ladder memory one_run one_thread plugins progress refusals registry relative settings start
+engines: accurate base error_parts ladder one_run one_thread plugins progress refusals registry relative settings start
     trajectory
 cases.files: broken_toml case copies document errors force_table keys number_rows plausibility printable reading shown text_file units
     whole_file written
-cases.motion: consensus cycle drifting_fit extremes first_mode half_cycle moving_mode number quasi_static second_mode time_scale
-cases.running: display imported_modules in_process job key pieces records store tally workshop
+cases.motion: consensus cycle drifting_fit extremes first_mode half_cycle moving_mode number time_scale
+cases.running: display imported_modules in_process job key pieces records store workshop
 """
 #: Lines of the kernel at most, everything counted.
 LARGEST_KERNEL = 10_000

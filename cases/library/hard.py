@@ -5,14 +5,32 @@ heavy tips, long undamped motion, and optional features of a scene. A scene in `
 """
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import Final
+from typing import Any, Final
 
 from quickreturn.cases.files.case import case_of
 from quickreturn.cases.files.document import Document
-from quickreturn.cases.files.variation import Variation
-from quickreturn.reference_model.scene_values import changed_values
+from quickreturn.reference_model.mechanism import Scene
+from quickreturn.reference_model.scene_values import AnyScene, changed, changed_values, value_at
+
+
+@dataclass(frozen=True)
+class Variation:
+    """Quantities of a scene, by their keys in a case file, that get new values, all at once."""
+
+    name: str  # the change in words
+    given: Mapping[str, Any] = field(default_factory=dict)  # dotted key -> new value, as in `scene_values.Changes`
+    scaled: Mapping[str, float] = field(default_factory=dict, kw_only=True)  # dotted key -> factor on the value that it has
+
+    def changes(self, scene: Scene) -> dict[str, Any]:
+        """All new values, for a scene."""
+        return {path: factor * value_at(scene, path) for path, factor in self.scaled.items()} | dict(self.given)
+
+    def of(self, scene: AnyScene) -> AnyScene:
+        """A scene with the new values. ImpossibleMechanism: as `scene_values.changed`."""
+        return changed(scene, self.changes(scene))
+
 
 TAG: Final = "hard"
 ORIGINAL: Final = "thesis-24"

@@ -27,8 +27,7 @@ from numpy.typing import NDArray
 from quickreturn.cases.loads.drive import at_shaft, crank_damping
 from quickreturn.cases.motion.consensus import Consensus
 from quickreturn.cases.motion.cycle import EXTREMES, VIBRATION, ChannelMeasures, CycleMeasures, measure_cycles
-from quickreturn.cases.motion.marching import channels_of
-from quickreturn.cases.motion.mean_cycle import mean_measures
+from quickreturn.cases.motion.marching import channels_of, mean_measures
 from quickreturn.cases.motion.of_turn import OF_TURN, OfTurn, rms_over_time
 from quickreturn.cases.motion.settling import GRID, on_common_grid
 from quickreturn.cases.motion.time_scale import CHANNELS, time_scale

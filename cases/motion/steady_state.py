@@ -1,12 +1,12 @@
 """One engine on one scene, brought to its steady state, with an error estimate of its own.
 
-A run begins in the periodic state that `reference` found (`cases.motion.orbit`), or in the standard start. From the periodic state two cycles
-are simulated, from the standard start the case's duration, to the accuracy asked (`engines.accurate`): this fixes the settings and their
-error estimate. If there is an orbit, the standard start would mislead: a stiff follower rings for thousands of cycles after a sudden load
-or weight. With these settings the simulation then runs cycle after cycle until it has settled (`cases.motion.settling`). An engine
+A run begins in the periodic state that `reference` found (`cases.motion.orbit`), or in the standard start. From the periodic state two
+cycles are simulated, from the standard start the case's duration, to the accuracy asked (`engines.accurate`): this fixes the settings and
+their error estimate. If there is an orbit, the standard start would mislead: a stiff follower rings for thousands of cycles after a sudden
+load or weight. With these settings the simulation then runs cycle after cycle until it has settled (`cases.motion.settling`). An engine
 that finds its periodic steady state directly need not march; if it finds none it marches like the others. If it is known beforehand that
 marching cannot settle, it is not begun. The last cycle is kept, with every column of the trajectory. If the cycles keep changing because
-the slider rattles between its rollers, the last thirty are measured, and means over them are compared (`cases.motion.mean_cycle`).
+the slider rattles between its rollers, the last thirty are measured, and means over them are compared (`cases.motion.marching`).
 
 The runs by which the engine estimates its error (`Comparison`) are compared after as many cycles from the same start: from the orbit the
 last cycle of the error estimate, which needs no further simulation, otherwise the last cycle. They show the effect of the settings on each

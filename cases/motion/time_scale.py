@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from quickreturn.cases.motion.moving_mode import moving_mode, periodic
-from quickreturn.cases.motion.quasi_static import quasi_static_strain, quasi_static_tip_acceleration
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import FrozenModes, deflections, frozen_crank_modes, turn_angles
 from quickreturn.reference_model.scene_values import changed
@@ -131,3 +130,47 @@ def _slow_shape(response: Array) -> CubicSpline:
     values = response / np.sqrt(np.mean(response[:-1] ** 2))
     values[-1] = values[0]
     return CubicSpline(TURN, values, bc_type="periodic")
+
+
+def follower_acceleration(mechanism: Mechanism, crank_angle: Array) -> tuple[Array, Array]:
+    """Angular acceleration of the rigid follower at unit crank speed, and the slider's arc length.
+
+    Args:
+        mechanism: the scene.
+        crank_angle: rad, shape (n,).
+
+    Returns:
+        d^2 q2 / d q1^2 (1/rad, shape (n,)), and s in m, shape (n,).
+    """
+    z = mechanism.crank.length * np.exp(1j * crank_angle)
+    u = z - mechanism.pivot_distance  # s e^(i q2): q2' = Re(z/u), derived once more
+    return mechanism.pivot_distance * np.imag(z / u**2), np.abs(u)
+
+
+def quasi_static_tip_acceleration(mechanism: Mechanism, crank_angle: Array) -> Array:
+    """Tip acceleration of the rigid mechanism along the follower's normal at unit crank speed, m/rad^2, shape (n,)."""
+    angular, _ = follower_acceleration(mechanism, crank_angle)
+    return mechanism.follower.length * angular
+
+
+def quasi_static_strain(mechanism: Mechanism, arc_length: float, crank_angle: Array) -> Array:
+    """Surface strain under the inertia loads of the rigid motion at unit crank speed, s^2, shape (n,).
+
+    EI W'' is the moment of the outboard inertia forces (beam, tip body) and of the slider force where the slider is outboard.
+
+    Args:
+        mechanism: the scene, with a flexible follower.
+        arc_length: m, the gauge's place.
+        crank_angle: rad, shape (n,).
+    """
+    follower, tip, x = mechanism.follower, mechanism.tip_body, arc_length
+    angular, s = follower_acceleration(mechanism, crank_angle)
+    L, rho_a = follower.length, follower.mass_per_length
+    moment_of_inertia = mechanism.base.inertia + rho_a * L**3 / 3.0
+    outboard = rho_a * (L**3 / 3.0 - x * L**2 / 2.0 + x**3 / 6.0)  # integral of rho A xi (xi - x) from x to L
+    center = L + tip.center_of_mass
+    moment_of_inertia += tip.inertia + tip.mass * center**2
+    outboard += tip.inertia + tip.mass * center * (center - x)
+    slider_force = moment_of_inertia * angular / s
+    moment = -outboard * angular + slider_force * np.maximum(s - x, 0.0)
+    return moment / follower.bending_stiffness * follower.extreme_fibre

@@ -12,7 +12,7 @@ from multiprocessing.connection import Connection
 from typing import Any, Final
 
 from quickreturn.cases.running.fork_server import FORKS
-from quickreturn.engines.memory import lacks_memory
+from quickreturn.engines.one_run import lacks_memory
 from quickreturn.engines.progress import listen
 
 if sys.platform != "win32":

@@ -119,7 +119,7 @@ class ThesisEngine(Engine[ThesisSettings]):
         self.check(mechanism)
         if mechanism.follower.is_rigid:
             return np.zeros(0)
-        from quickreturn.reference_model.thesis.frequencies import shape_frequencies
+        from quickreturn.reference_model.thesis.model import shape_frequencies
 
         support = float(rigid_motion(mechanism, np.array(crank_angle), 0.0).slider_position)
         return shape_frequencies(mechanism, hermite_elements(mechanism.follower.length, settings.elements), support, count)

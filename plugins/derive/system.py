@@ -7,9 +7,65 @@ from types import SimpleNamespace
 from typing import Any, Final, NamedTuple
 
 import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
 
-from quickreturn.plugins.derive.tables import Table
 from quickreturn.plugins.derive.units import DescriptionError, in_si
+
+Array = NDArray[np.float64]
+
+
+class Table:
+    """Columns that are cubic in a coordinate s on intervals of equal length; the equations use their values at the present s.
+
+    Args:
+        index: the coordinate's place among the coordinates.
+        unit: unit of the coordinate.
+        away: s minus its frozen value: its value is 0, its derivative by s is 1.
+        low: smallest s, in SI.
+        step: length of the intervals, in SI.
+        coefficients: shape (intervals, 4, columns), of powers of s minus the beginning of the interval, the highest first.
+    """
+
+    def __init__(self, index: int, unit: str, away: ca.SX, low: float, step: float, coefficients: Any) -> None:
+        self.index, self._unit = index, unit
+        self.put(low, step, coefficients)
+        self.row = ca.SX.sym("row", self.coefficients.shape[2])
+        self.row_slope = ca.SX.sym("row slope", self.coefficients.shape[2])
+        self.units: dict[int, str] = {}  # column in use -> unit
+        self._away = away
+
+    def put(self, low: float, step: float, coefficients: Any) -> None:
+        """Replace the numbers by others with the same columns: compiled equations need no change. The arguments are those of the class."""
+        self.low, self.step = low, step
+        self.coefficients: Array = np.ascontiguousarray(coefficients, dtype=np.float64)
+        self.high = low + step * len(self.coefficients)
+
+    def function(self, unit: str, columns: Sequence[int], first: Sequence[int] = (), second: Sequence[int] = ()) -> ca.SX:
+        """f(s) = f0 + f1 d + f2 d^2 / 2 as a column; d is s minus its present value, so f's derivatives by s are those of the table.
+
+        Args:
+            unit: unit of f, in SI.
+            columns: columns of the table that hold f0.
+            first: columns that hold the first derivative of each by s; none: f does not depend on s.
+            second: columns that hold the second derivative.
+        """
+        values = ca.SX.zeros(len(columns))
+        for power, more in enumerate((columns, first, second)):
+            if len(more):
+                values += self.row[list(more)] * self._away**power / max(power, 1)
+                self.units |= dict.fromkeys(more, f"({unit})/({self._unit})**{power}")
+        return values
+
+    def at(self, s: float, slope: bool = False) -> Array:
+        """The row at a place, or its derivative by s; NaN outside the table, which makes an integrator take shorter steps."""
+        if not self.low <= s <= self.high:
+            return np.full(self.row.numel(), np.nan)
+        k = min(int((s - self.low) / self.step), len(self.coefficients) - 1)
+        h = s - self.low - k * self.step
+        powers = np.array([3.0 * h * h, 2.0 * h, 1.0, 0.0] if slope else [h**3, h * h, h, 1.0])
+        return powers @ self.coefficients[k]
+
 
 #: Outputs of every model, besides coordinates, rates and forces of loops.
 COMMON_COLUMNS: Final = ("time", "kinetic_energy", "potential_energy", "dissipated_energy", "work", "energy_balance")

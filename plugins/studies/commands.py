@@ -7,7 +7,7 @@ from typing import Any, Final
 import click
 
 import quickreturn as qr
-from quickreturn.commands import options, tables
+from quickreturn.commands import options
 from quickreturn.commands.console import Call, ExitCode, check_file, tell, tell_slow, write
 from quickreturn.commands.options import PICTURES
 from quickreturn.computing import workshop
@@ -210,7 +210,7 @@ def resonance(call: Call, speed: str | None, vary: str | None, measures: Sequenc
     options.several(
         "--free", metavar="KEY", required=True, help='Parameter to find, alone or with a range: "tip.center_of_mass = 0 in .. 0.5 in".'
     ),
-    tables.options,
+    options.table_options,
     options.case_assignments,
     options.output("File for the case with the values found: .toml.", "CASE_FILE", required=False),
     options.limited,
@@ -227,7 +227,7 @@ def calibrate(call: Call, file: str, free: Sequence[str], **reading: Any) -> Non
     """
     loaded = call.case()
     check_file(call.output, loaded.source, (".toml",))
-    (table,) = tables.read([file], reading)
+    (table,) = options.read_tables([file], reading)
     found = qr.calibrate(loaded, table, free, limits=call.limits, quiet=call.quiet)
     write(call.output, lambda ending: found.fitted.to_toml().encode())
     call.show(found.as_document(), repr(found))

@@ -9,7 +9,7 @@ import click
 
 from quickreturn.cases.files.errors import as_written
 from quickreturn.cases.motion.endings import Ending
-from quickreturn.commands import options, tables
+from quickreturn.commands import options
 from quickreturn.commands.console import Call, ExitCode, check_file, tell, tell_slow, write
 from quickreturn.pack.check import LARGEST, BadInput, judged
 from quickreturn.reports.output import print_json
@@ -54,7 +54,7 @@ def run(call: Call) -> int:
     options.engines_for(help="Engine to compare with; may be given again. Default: the four main engines."),
     options.accuracy,
     options.assignments,
-    tables.options,
+    options.table_options,
     click.option(
         "--write-mapping",
         "writes_mapping",
@@ -80,13 +80,13 @@ def compare(call: Call, files: Sequence[str], writes_mapping: bool, **reading: A
     loaded = call.case()
     call.refuse_missing()
     if writes_mapping:
-        return tables.write_mapping(files, reading)
+        return options.write_mapping(files, reading)
     check_file(call.output, loaded.source, PICTURES)
     from quickreturn.cases.files.printable import in_lines
     from quickreturn.table_comparison import compared, parts_of_tables, tables_in
     from quickreturn.verdict_text import as_document
 
-    results = compared(loaded, tables.read(files, reading), call.engines, accuracy=call.accuracy, settings=call.settings)
+    results = compared(loaded, options.read_tables(files, reading), call.engines, accuracy=call.accuracy, settings=call.settings)
     tables_of = [tables_in(result) for result in results]
     if call.as_json:
         document = as_document(results, [] if call.store is None else call.store.notices)

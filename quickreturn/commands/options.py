@@ -2,8 +2,9 @@
 
 import functools
 import math
-from collections.abc import Callable, Sequence
-from typing import Any, Final
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 from click.shell_completion import CompletionItem
@@ -12,9 +13,12 @@ from quickreturn.cases.files.errors import as_written, shortened
 from quickreturn.cases.files.units import TIME, QuantityError, parse_quantity, plain_number
 from quickreturn.cases.running import fork_server
 from quickreturn.commands import console
-from quickreturn.commands.console import Call
+from quickreturn.commands.console import Call, ExitCode, check_file, tell, write
 from quickreturn.computing import CHOSEN, HIGHEST, LOWEST
 from quickreturn.engines.settings import ANY_ENGINE
+
+if TYPE_CHECKING:
+    from quickreturn.cases.files.recorded import RecordedTable
 
 #: Converts the text of an option, given its name, to a value; raises UsageError if it cannot.
 Reader = Callable[[str, str], Any]
@@ -252,3 +256,44 @@ def of_workshop(command: Callable[..., Any]) -> Callable[..., Any]:
     command = shared("--cluster", metavar="ADDRESS", help=address)(limited(command))
     processes = "Processes at a time on this machine; default: one per core."
     return shared("--jobs", metavar="N", read=number(1, 1000, 2, whole=True), help=processes)(command)
+
+
+_MAPPED: Final = 'What a heading of FILE is: "crank.phi = crank_angle [deg]", "phi = -1 * crank_angle [deg] + 90".'
+_SIGN: Final = 'Sign between the columns of FILE: ",", ";", "tab" or "blank"; default: recognised.'
+_DECIMAL: Final = 'Decimal sign of FILE, "." or ","; default: recognised.'
+_SKIP: Final = "Number of lines above the headings of FILE to leave out."
+
+
+def table_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options that say how recorded tables are to be read: the arguments of `read_table`."""
+    command = single("--skip", metavar="LINES", read=number(0, 10_000, 3, whole=True), default="0", help=_SKIP)(command)
+    command = single("--decimal", metavar="SIGN", help=_DECIMAL)(command)
+    command = single("--separator", metavar="SIGN", help=_SIGN)(command)
+    return several("--column", "columns", metavar="TEXT", help=_MAPPED)(command)
+
+
+def read_tables(paths: Iterable[str], reading: Mapping[str, Any]) -> "list[RecordedTable]":
+    """Recorded tables; a message on standard error says how each is written."""
+    from quickreturn.cases.files.recorded import read_table
+
+    read = [read_table(path, **reading) for path in dict.fromkeys(paths)]
+    for table in read:
+        if table.told:
+            tell(f"{table.shown}: {table.told}")
+    return read
+
+
+def write_mapping(files: Sequence[str], reading: Mapping[str, Any]) -> int:
+    """Write the mapping of the only table to the file beside it, unless that exists."""
+    from quickreturn.cases.files.column_mapping import mapping_file
+    from quickreturn.cases.files.recorded import suggested_mapping
+
+    if len(files) != 1:
+        raise click.UsageError("--write-mapping: give one FILE")
+    target = mapping_file(files[0])
+    if Path(target).exists():
+        raise click.UsageError(f"--write-mapping: {target} exists already; edit it")
+    check_file(str(target), files[0], (".toml",))
+    write(str(target), lambda ending: suggested_mapping(files[0], **reading).encode())
+    click.echo(f"{target}: edit the lines with -, then compare again")
+    return ExitCode.GOOD

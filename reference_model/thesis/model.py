@@ -1,22 +1,25 @@
 """The thesis' model of one scene: shapes, compiled equations, integration and observables under one roof."""
 
 import math
+import warnings
+from collections.abc import Callable
 
 import numpy as np
+import scipy  # whose parts are imported when they are used
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.columns import ROW, by_column, recorded_columns
 from quickreturn.reference_model.constants import characteristic_frequency, crank_speed_scale
-from quickreturn.reference_model.integration import Integration
-from quickreturn.reference_model.mechanism import Scene
+from quickreturn.reference_model.eigenproblem import eigh
+from quickreturn.reference_model.integration import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STEP_TOO_SMALL, TOO_MANY_CALLS, Integration
+from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.model import ObservationFailed
 from quickreturn.reference_model.native.memory import Placed
 from quickreturn.reference_model.shapes import ShapeSet
 from quickreturn.reference_model.state import State
 from quickreturn.reference_model.thesis.equations import base_right_hand_side, right_hand_side
-from quickreturn.reference_model.thesis.lsoda import integrate_lsoda
 from quickreturn.reference_model.thesis.parameters import build_parameters, build_workspace, state_size
-from quickreturn.reference_model.thesis.tables import POINTS
+from quickreturn.reference_model.thesis.tables import POINTS, build_tables
 
 Array = NDArray[np.float64]
 
@@ -125,3 +128,85 @@ def quadrature_cells(shapes: ShapeSet) -> int:
     if not shapes.has_continuous_curvature or len(shapes.edges) == 2:
         return 0
     return max(2, int(np.ceil(np.pi * shapes.count / POINTS)) + 2)
+
+
+def integrate_lsoda(
+    equations: Callable[[Array, Array], bool],
+    watched: Array,
+    y: Array,
+    output_step: float,
+    intervals: int,
+    scales: Array,
+    limit: float,
+    unseen: float,
+) -> Integration:
+    """States on a uniform grid.
+
+    Args:
+        equations: function that writes dy/dt of a state to its second argument; False for an impossible state.
+        watched: array whose first entry is the slider position in the state evaluated last, m.
+        y: state at the start; not changed.
+        output_step: grid of the output, s.
+        intervals: number of output steps.
+        scales: accepted local error of each controlled state, in its unit. The controlled states come first.
+        limit: slider position at which the integration ends, m.
+        unseen: accepted local error of the energies, J: so large that they do not matter, because they are quadratures.
+    """
+    size = len(y)
+    rate = np.empty(size)
+
+    def fun(_: float, state: Array) -> Array:
+        equations(state, rate)
+        return rate
+
+    errors = np.full(size, unseen)
+    errors[: len(scales)] = scales
+    times = output_step * np.arange(intervals + 1)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", scipy.integrate.ODEintWarning)
+        states, info = scipy.integrate.odeint(
+            fun, y, times, tfirst=True, rtol=1e-14, atol=errors, mxstep=100_000, full_output=True, printmessg=False
+        )
+    good, status, last = len(states), REACHED_END, intervals - 1
+    if info["message"] != "Integration successful.":
+        # odeint does not initialise what comes after the first output step whose end it did not reach
+        last = int(np.argmax(info["tcur"] < times[1:] - 1e-9 * output_step))
+        good, status = 1 + last, TOO_MANY_CALLS if info["message"].startswith("Excess work") else STEP_TOO_SMALL
+    for row in range(good):
+        if not (np.all(np.isfinite(states[row])) and equations(states[row], rate)):
+            good, status = row, NOT_A_NUMBER
+            break
+        if watched[0] > limit:
+            good, status = row, LEFT_FOLLOWER
+            break
+    return Integration(states[:good], status, times[max(good - 1, 0)], int(info["nfe"][last]), 0.0)
+
+
+def shape_frequencies(mechanism: Mechanism, shapes: ShapeSet, support: float, count: int) -> NDArray[np.float64]:
+    """Lowest natural frequencies (Hz) of the straight follower at rest in these shapes, the slider held at arc length `support`.
+
+    With the crank held the constraint is q2 = -sum phi_i(s) eta_i / s (equation 7.1), so that a rigid rotation goes with every shape
+    (equations 7.2 and 7.3). Undamped, without gravity. By Rayleigh's principle the frequencies lie above the converged ones.
+
+    Args:
+        mechanism: the scene; its follower must be flexible.
+        shapes: the follower's shapes.
+        support: s, m.
+        count: number of frequencies, or the number of shapes if that is less.
+    """
+    beam, tip = mechanism.follower, mechanism.tip_body
+    tables = build_tables(shapes, 0)
+    at_support = shapes.evaluate(np.array([support]))[0]
+    turn = -at_support / support
+    field = tables.phi + tables.x[:, None] * turn
+    arm = beam.length + tip.center_of_mass
+    end = tables.end_phi + tip.center_of_mass * tables.end_dphi + arm * turn
+    end_turn = tables.end_dphi + turn
+    slider_turn = shapes.evaluate(np.array([support]), 1)[0] + turn
+    mass = beam.mass_per_length * field.T @ (tables.weights[:, None] * field)
+    mass += mechanism.base.inertia * np.outer(turn, turn) + tip.mass * np.outer(end, end) + tip.inertia * np.outer(end_turn, end_turn)
+    mass += mechanism.slider.inertia * np.outer(slider_turn, slider_turn)
+    stiffness = beam.bending_stiffness * tables.ddphi.T @ (tables.weights[:, None] * tables.ddphi)
+    # M v = v / omega^2 K v, not the other way round: round-off is relative to the largest eigenvalue
+    inverse_squares = eigh(mass, stiffness)[0][::-1][:count]
+    return 1.0 / (2.0 * np.pi * np.sqrt(inverse_squares))

@@ -5,11 +5,10 @@ from typing import Final
 
 from quickreturn.reports.chapters.agreement import agreement
 from quickreturn.reports.chapters.drive import drive
-from quickreturn.reports.chapters.each import run_by_run
 from quickreturn.reports.chapters.own import next_steps, strength, turn
 from quickreturn.reports.chapters.provenance import provenance
 from quickreturn.reports.chapters.recorded import recorded
-from quickreturn.reports.chapters.runs import runs
+from quickreturn.reports.chapters.runs import run_by_run, runs
 from quickreturn.reports.page.chapter import Chapter, MakeChapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.part import parts

@@ -18,8 +18,8 @@ from quickreturn.cases.motion.catalogue import MEASURES, SettledMotion
 from quickreturn.cases.motion.cycle import HALVES
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.number import Number
-from quickreturn.cases.motion.quasi_static import quasi_static_strain
 from quickreturn.cases.motion.request import Run
+from quickreturn.cases.motion.time_scale import quasi_static_strain
 from quickreturn.engines.relative import rms
 from quickreturn.reports.results.loads import from_p, mean_crank_speed, tension_or_compression
 from quickreturn.reports.words import TIED, counted, degrees, in_words, listed, number, off_by, percent, quantity, size

@@ -10,7 +10,8 @@ import scipy
 from numba import types
 from numpy.polynomial.polynomial import polyval
 
-from quickreturn.reference_model import dop853, integrate
+from quickreturn.reference_model import dop853_loop as dop853
+from quickreturn.reference_model import integrate
 from quickreturn.reference_model.native.pointers import numbers_at
 from quickreturn.reference_model.splines import spline_coefficients
 

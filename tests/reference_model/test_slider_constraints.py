@@ -12,7 +12,7 @@ from quickreturn.reference_model.joint import Rollers
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.slider import Slider
 from quickreturn.reference_model.slider_constraint import CHORDS, CLOSED, LEVER, MULTIPLIER, ROLLERS, SliderConstraint
-from quickreturn.reference_model.thesis.frequencies import shape_frequencies
+from quickreturn.reference_model.thesis.model import shape_frequencies
 from tests.engines.scenes import run_24
 from tests.reference_model.motion.beam_runs import Array, balance, follower_energy, run, with_fine_tables
 from tests.reference_model.motion.beam_states import COMPLIANT, EVERYTHING, HEAVY, ON_ELEMENTS, elements_of, modes_of, rates

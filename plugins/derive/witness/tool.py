@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
-from quickreturn.plugins.derive.tables import Table
+from quickreturn.plugins.derive.system import Table
 from quickreturn.reference_model.tip import ROUNDING, ForceTable
 
 Array = NDArray[np.float64]

@@ -24,7 +24,7 @@ class FixedShapesSettings(ShapeSettings):
 
 def converged_frequencies(mechanism: Mechanism, crank_angle: float, count: int) -> NDArray[np.float64]:
     """Frequencies of Hermite elements with a node at the slider, doubled until no frequency changes by more than 1e-6 of itself."""
-    from quickreturn.reference_model.thesis.frequencies import shape_frequencies
+    from quickreturn.reference_model.thesis.model import shape_frequencies
 
     support = float(rigid_motion(mechanism, np.array(crank_angle), 0.0).slider_position)
     elements, last = max(8, count), np.full(count, np.inf)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from quickreturn.cases.motion.cycle import ChannelMeasures, CycleMeasures
-from quickreturn.cases.motion.mean_cycle import AVERAGED, BOUND, GROUPS, mean_measures, standard_error
+from quickreturn.cases.motion.marching import AVERAGED, BOUND, GROUPS, mean_measures, standard_error
 
 
 def measure(frequency: float | None = 17.0, maximum: float = 5.0) -> ChannelMeasures:

@@ -9,8 +9,7 @@ import pytest
 from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.estimates import HalfSignal, MeasuredCycle, extreme_estimates
-from quickreturn.cases.motion.marching import channels_of, settle
-from quickreturn.cases.motion.mean_cycle import AVERAGED
+from quickreturn.cases.motion.marching import AVERAGED, channels_of, settle
 from quickreturn.cases.motion.request import RunRequest
 from quickreturn.cases.motion.settling import GREATEST_NUMBER, Cycle
 from quickreturn.cases.motion.steady_state import steady_state

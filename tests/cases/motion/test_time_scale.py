@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from quickreturn.cases.motion.moving_mode import moving_mode
-from quickreturn.cases.motion.quasi_static import follower_acceleration, quasi_static_strain, quasi_static_tip_acceleration
-from quickreturn.cases.motion.time_scale import time_scale
+from quickreturn.cases.motion.time_scale import follower_acceleration, quasi_static_strain, quasi_static_tip_acceleration, time_scale
 from quickreturn.engines.exudyn.engine import ExudynEngine
 from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.reference_model.mechanism import Mechanism

@@ -12,10 +12,9 @@ from typing import Any
 
 import pytest
 
-from quickreturn.cases.running.display import answers
+from quickreturn.cases.running.display import Tally, answers, span
 from quickreturn.cases.running.job import Job, Outcome
 from quickreturn.cases.running.processes import LocalProcesses
-from quickreturn.cases.running.tally import Tally, span
 from quickreturn.engines.progress import Progress
 
 CODE = """

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from quickreturn.reference_model import integration
-from quickreturn.reference_model.thesis.lsoda import integrate_lsoda
+from quickreturn.reference_model.thesis.model import integrate_lsoda
 
 
 def test_what_was_done_until_a_pole_is_kept_and_counted() -> None:

@@ -13,8 +13,8 @@ from quickreturn.cases.comparison.engines import compare
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.motion.endings import Ending
-from quickreturn.cases.motion.quasi_static import quasi_static_strain
 from quickreturn.cases.motion.request import PeriodicOrbit
+from quickreturn.cases.motion.time_scale import quasi_static_strain
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from quickreturn.reports.results.turn import SENTENCES, Turn, leading_statements, statements
 from tests.changed_run import changed_run
