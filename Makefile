@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV ?= .venv
 CONSTRAINTS ?= constraints.txt
 BIN := $(VENV)/bin
-# What a target needs: the package alone, or with an extra.
+# What a target needs of the package's extras.
 READY := $(VENV)/.ready
 TEST := $(VENV)/.test
 VERIFY := $(VENV)/.verify
@@ -72,7 +72,7 @@ docs: $(TEST)
 compile: $(TEST)
 	$(BIN)/python -c 'import quickreturn as qr; [qr.simulate("thesis-24", name, store=False) for name in ("thesis", "reference", "mujoco")]'
 
-$(READY): EXTRA :=
+$(READY): EXTRA := [plot,tables]
 $(TEST): EXTRA := [test]
 $(VERIFY): EXTRA := [verify]
 $(CORE): EXTRA := [core]

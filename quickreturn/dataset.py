@@ -6,6 +6,7 @@ from importlib.metadata import version as installed_version
 from typing import TYPE_CHECKING, Any
 
 from quickreturn.reference_model.columns import COLUMNS
+from quickreturn.reports.output import require
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -26,7 +27,11 @@ def dataset_of(case: "Case", engine: str, version: str, result: "Result") -> "xr
         engine: name of the engine.
         version: version of the library behind it.
         result: trajectory, settings and error estimates.
+
+    Raises:
+        MissingExtra: xarray is not installed.
     """
+    require("tables", "a dataset")
     import xarray as xr
 
     variables: dict[str, tuple[str, Any, dict[str, Any]]] = {}
@@ -62,6 +67,7 @@ def table_file(frame: "pd.DataFrame", units: Mapping[str, str], ending: str) -> 
     """
     headed = frame.set_axis([f"{name} [{unit}]" if (unit := units.get(str(name), "")) else str(name) for name in frame.columns], axis=1)
     if ending == ".parquet":
+        require("tables", "a file .parquet")
         return headed.to_parquet(index=False)
     return str(headed.to_csv(index=False, lineterminator="\n")).encode()
 

@@ -7,8 +7,9 @@ import os
 import stat
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
+from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import click
 
@@ -17,9 +18,27 @@ from quickreturn.cases.files.printable import Cell, Rows
 from quickreturn.cases.files.whole_file import words_of, write_atomically
 from quickreturn.reference_model.errors import ToldError
 
+#: Extra of this package -> modules that it installs, and by which name.
+EXTRAS: Final = {
+    "plot": {"matplotlib": "matplotlib", "PIL": "pillow"},
+    "tables": {name: name for name in ("xarray", "h5netcdf", "h5py", "pyarrow")},
+}
+#: Ending of a file -> the extra that writes it.
+WRITTEN_BY: Final = {**dict.fromkeys((".png", ".svg", ".pdf", ".webp"), "plot"), **dict.fromkeys((".nc", ".parquet"), "tables")}
+
 
 class OutputError(ToldError):
     """A file cannot be written; the text is one sentence."""
+
+
+class MissingExtra(ToldError):
+    """An extra of this package is not installed; the text is one sentence."""
+
+
+def require(extra: str, purpose: str) -> None:
+    """Raise MissingExtra, which names the purpose, if a module of `EXTRAS` is missing."""
+    if missing := [name for module, name in EXTRAS[extra].items() if find_spec(module) is None]:
+        raise MissingExtra(f"{purpose} needs {missing[0]}, which is not installed; pip install 'quickreturn[{extra}]'")
 
 
 def check_writable(path: Path, keep: str, *endings: str) -> None:
@@ -32,6 +51,7 @@ def check_writable(path: Path, keep: str, *endings: str) -> None:
 
     Raises:
         OutputError: the folder is missing or cannot be written to, the path is a folder or the file to keep, or has another ending.
+        MissingExtra: what writes such a file is not installed.
     """
     target = _resolved(path)
     try:
@@ -47,6 +67,8 @@ def check_writable(path: Path, keep: str, *endings: str) -> None:
             wrong = f'"{shortened(path.suffix)}" is no known format' if path.suffix else "no ending tells the format"
             raise OutputError(f"{_shown(path)}: {wrong}; accepted: {', '.join(endings)}, such as {shortened(path.stem)}{endings[0]}")
         else:
+            if extra := WRITTEN_BY.get(path.suffix.lower()):
+                require(extra, _shown(path))
             with tempfile.TemporaryFile(dir=target.parent):
                 pass
     except OSError as error:

@@ -3,6 +3,7 @@
 import csv
 import math
 import re
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,8 +11,10 @@ import pytest
 
 import quickreturn as qr
 from quickreturn.engines.trajectory import REQUIRED
+from quickreturn.reports.output import MissingExtra
 from tests.quickreturn.conftest import Call
 from tests.quickreturn.input.answers import document, refused, scene, simulated, variant
+from tests.quickreturn.scene_file import SCENE
 
 __all__ = ["scene"]
 
@@ -142,3 +145,34 @@ def test_a_column_that_is_all_error_is_doubtful(call: Call, estimate: float) -> 
     estimates: dict[str, float | None] = {**found.result.error_estimates, "strain_1": estimate}
     rows = dict(replace(found, result=replace(found.result, error_estimates=estimates)).rows())
     assert ("strain_1" in str(rows.get("doubtful"))) is (estimate > 1.0)
+
+
+@pytest.mark.parametrize(
+    ("command", "file", "module", "extra"),
+    [
+        ("animate", "run.webp", "matplotlib", "plot"),
+        ("sweep", "run.parquet", "pyarrow", "tables"),
+        ("sweep", "run.nc", "h5netcdf", "tables"),
+    ],
+)
+def test_an_extra_that_is_missing_is_told_before_anything_is_computed(
+    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: str, file: str, module: str, extra: str
+) -> None:
+    monkeypatch.setitem(sys.modules, module, None)
+    (tmp_path / "small.toml").write_text(SCENE)
+    varied = ("--vary", "tip.mass = 0.01 kg; 0.02 kg") if command == "sweep" else ()
+    answer = call(command, "small.toml", "--output", file, *varied)
+    assert answer == (2, "", f"quickreturn: {file} needs {module}, which is not installed; pip install 'quickreturn[{extra}]'\n")
+
+
+def test_a_picture_alone_tells_a_missing_extra(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "PIL", None)
+    answer = call("plot", "thesis-24", "--output", "run.png")
+    assert answer == (2, "", "quickreturn: a picture needs pillow, which is not installed; pip install 'quickreturn[plot]'\n")
+
+
+def test_python_tells_a_missing_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "xarray", None)
+    solution = qr.simulate(qr.case("thesis-24", duration=0.01), "thesis", estimate=False, store=False)
+    with pytest.raises(MissingExtra, match=r"a dataset needs xarray.*quickreturn\[tables\]"):
+        solution.to_xarray()

@@ -20,6 +20,7 @@ from quickreturn.plugins.studies.public.sweeping import ERROR
 from quickreturn.plugins.studies.resonance_curve.curve import ResonanceCurve
 from quickreturn.plugins.studies.resonance_curve.range import SPEED, range_of
 from quickreturn.plugins.studies.resonance_curve.search import OF_CURVE, USUAL, resonance_curve
+from quickreturn.reports.output import require
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -95,6 +96,7 @@ class Resonance(Printable):
         frame = self.frame
         if ending != ".nc":
             return table_file(frame, frame.attrs["units"], ending)
+        require("tables", "a file .nc")
         import xarray as xr
 
         whole = frame.assign(peak_order=frame["peak_order"].fillna(0).astype(int)).rename_axis("point")

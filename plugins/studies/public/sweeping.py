@@ -22,6 +22,7 @@ from quickreturn.engines.registry import usable_engine
 from quickreturn.plugins.studies.sweep.grid import ENGINE, Axis, Grid, axis, unit_of
 from quickreturn.plugins.studies.sweep.rows import MeasureRequest
 from quickreturn.plugins.studies.sweep.study import Path, Study, study
+from quickreturn.reports.output import require
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -125,6 +126,7 @@ def _axis(key: str, values: str | Sequence[Any]) -> Axis:
 
 def dataset_of(study: Study) -> "xr.Dataset":
     """A study as a dataset. Its attributes are texts and numbers, which netCDF can store."""
+    require("tables", "a dataset")
     import xarray as xr
 
     axes, both = study.grid.axes, len(study.ways) > 1
