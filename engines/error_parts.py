@@ -49,7 +49,7 @@ class ErrorPart:
         other: the same settings of the run that it is compared with.
         difference: size of the difference of the two, in the unit of the number, or relative where the error is.
         factor: error of `other` over that of `run`, as the engine states it.
-        counted: what counts as error, over the difference: by `factor`, or by what further runs show of it.
+        counted: what counts as error, over the difference: by `factor`, or by what further runs show of it, and by `Compared.growth`.
     """
 
     of: str
@@ -104,6 +104,7 @@ class Compared(Generic[R]):
     of: str = ""  # what the part of the error comes from, see `ErrorPart`
     settings: tuple[dict[str, Any], ...] = ({}, {}, {})  # of `run`, `other` and `before`, as `ErrorPart` has them
     besides: "Compared[R] | None" = None  # another pair that shows the same part
+    growth: float = 1.0  # error in question over the one that the runs show, which has not built up yet
 
     def part(self, difference: Callable[[R, R], float]) -> ErrorPart:
         """The part of the error that the runs show, the larger of two if another pair shows it as well.
@@ -122,13 +123,18 @@ class Compared(Generic[R]):
             factor = shown_factor(factor, self.before[1], shown, further)
             if factor < 1.0 and further > shown:
                 shown, run, other = further, other, before
-        return ErrorPart(self.of, run, other, shown, self.factor, counted(factor))
+        return ErrorPart(self.of, run, other, shown, self.factor, counted(factor) * self.growth)
 
     def mapped(self, compute: Callable[[R], Q]) -> "Compared[Q]":
         """The comparison of what `compute` makes of each result."""
         before = None if self.before is None else (compute(self.before[0]), self.before[1])
         besides: Compared[Q] | None = None if self.besides is None else self.besides.mapped(compute)
-        return Compared(compute(self.run), compute(self.other), self.factor, before, self.unchecked, self.of, self.settings, besides)
+        results = compute(self.run), compute(self.other)
+        return Compared(*results, self.factor, before, self.unchecked, self.of, self.settings, besides, self.growth)
+
+    def growing(self, growth: float) -> "Compared[R]":
+        """The same runs, of which each shows only a part of its error: the error in question is `growth` times as large."""
+        return replace(self, growth=growth, besides=self.besides and self.besides.growing(growth))
 
     @property
     def pairs(self) -> tuple[tuple[R, R], ...]:

@@ -106,7 +106,7 @@ def _departure(check: Difference, units: Units) -> str:
     return (
         f"{check.quantity}, {check.half}-return, {where}: {number.value:.5g} and"
         f" {unit.text(check.other_number.value, '.5g')} differ by {abs(number.value - other.value):.2g},"
-        f" claimed are {number.error:.2g} by {check.engine} and {other.error:.2g} by {check.other}"
+        f" the claims of {check.engine} and {check.other} allow {check.tolerance / unit.size:.2g}"
     )
 
 

@@ -22,6 +22,8 @@ QUANTITY: Final = {
     "second_mode_frequency": "second-mode frequency",
     "minimum": "minimum",
     "maximum": "maximum",
+    "waveform": "waveform, RMS",
+    "largest_difference": "waveform, largest",
 }
 
 #: What an engine's error estimate covers (`engines.base.EstimateOf`): its name, and the remark beside the number.

@@ -3,7 +3,7 @@
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ from scipy.interpolate import CubicSpline
 from quickreturn.cases.motion.consensus import Consensus, consensus
 from quickreturn.cases.motion.extremes import extremes, low_pass
 from quickreturn.cases.motion.first_mode import FirstMode, agreeing, fit_first_modes, second_mode_frequency
-from quickreturn.cases.motion.half_cycle import ChannelHalf, channel_half, half_cycle
+from quickreturn.cases.motion.half_cycle import SAMPLES, ChannelHalf, channel_half, half_cycle
 from quickreturn.cases.motion.number import Number, or_nan
 from quickreturn.cases.motion.time_scale import TimeScale
 from quickreturn.engines.error_parts import ErrorPart
@@ -52,6 +52,14 @@ class ChannelMeasures:
     minimum_estimate: float | None = None
     maximum_estimate: float | None = None
     parts: dict[str, tuple[ErrorPart, ...]] = field(default_factory=dict)
+    variation: float = 0.0  # RMS of the signal less its mean in the half, in the channel's unit
+    first_mode_frequency_gain: float | None = None  # see `FirstMode.frequency_gain`; None where it is not resolvable
+    first_mode_amplitude_gain: float | None = None
+
+    def response(self, quantity: str) -> float:
+        """Largest change of a number of `VIBRATION` by an RMS change of the signal, in the number's unit over the channel's."""
+        value, gain = (getattr(self, f"{quantity}{of}") or 0.0 for of in ("", "_gain"))
+        return float(gain * value / self.variation) if self.variation > 0.0 else 0.0
 
     def number(self, quantity: str) -> Number | None:
         """The number called `quantity`, one of `VIBRATION` and `EXTREMES`, with its claims; None where it is not resolvable."""
@@ -125,7 +133,8 @@ def _of_cycle(
             low, high = of_halves[at]
             vibration = first.frequency, first.frequency_uncertainty, first.amplitude, first.amplitude_uncertainty
             found = low.value, low.uncertainty, high.value, high.uncertainty
-            measures.append(ChannelMeasures(half, name, *vibration, second, *found, first.reason))
+            gains: dict[str, Any] = {"first_mode_frequency_gain": first.frequency_gain, "first_mode_amplitude_gain": first.amplitude_gain}
+            measures.append(ChannelMeasures(half, name, *vibration, second, *found, first.reason, variation=first.variation, **gains))
     return CycleMeasures(tuple(measures), tuple(consensus_of(half, [each for each in measures if each.half == half]) for half in HALVES))
 
 
@@ -133,6 +142,13 @@ def extremes_by_half(time: Array, crank_angle: Array, values: Array, measured: b
     """Least and greatest value of any column in each half of a cycle; arguments and errors as of `measure_cycle`."""
     filtered, boundaries = low_pass(time, values) if measured else values, _boundaries(time, crank_angle)
     return dict(zip(HALVES, extremes(time, filtered, boundaries), strict=True))
+
+
+def signals_by_half(time: Array, crank_angle: Array, columns: Mapping[str, Array]) -> dict[tuple[str, str], Array]:
+    """The values from which vibration is measured, by half and column, each of shape (240,); arguments as of `measure_cycle`."""
+    instants = [np.linspace(start, end, SAMPLES) for start, end in itertools.pairwise(_boundaries(time, crank_angle))]
+    splines = {name: CubicSpline(time, values) for name, values in columns.items()}
+    return {(half, name): spline(at) for half, at in zip(HALVES, instants, strict=True) for name, spline in splines.items()}
 
 
 def consensus_of(half: str, measures: Sequence[ChannelMeasures]) -> Consensus:

@@ -2,9 +2,11 @@
 
 The same measures are taken of the same cycle in the runs that the engine compares (`engines.base.Comparison`); the parts of the error from
 their differences are added as for a trajectory (`engines.accurate`). Runs that march from the orbit are compared in their second cycle from
-there, which already shows the effect of settings on a cycle. An error that lies in a slowly decaying mode has not built up by then: in the
-one of two hundred random machines where this matters most, engines still differ by less than they claim (by 0.94 of it). An extrapolation
-by the multiplier would make estimates two to three times as large in the thesis' runs, where they are already 2 to 9 times the error.
+there. An error in the slowest mode has not built up by then: of that mode m remains after a cycle, and the second cycle shows 1 - m^2 of
+the error, which is therefore taken as 1/(1 - m^2) times as large.
+
+Two frequencies or amplitudes of one half can be equal by accident, too. A part of the largest change that the signals' difference can make
+in the number (`ChannelMeasures.response`) counts at least.
 
 The root mean square of a column over a turn, its change in a turn and the time of a turn are compared themselves (`turn_estimates`), with
 floors, because two numbers can be equal by accident.
@@ -40,6 +42,8 @@ Array = NDArray[np.float64]
 #: Part of the RMS difference of two signals that counts as error of their root mean squares, besides the difference of these. That is at
 #: most the whole; it is less as far as the difference of the signals is at right angles to them.
 ASIDE: Final = 0.25
+#: Part of the largest change of a frequency or an amplitude by the difference of two signals that counts as its error at least.
+AT_LEAST: Final = {"first_mode_frequency": 0.25, "first_mode_amplitude": 0.5}
 #: Key of the time of a turn among the estimates of changes.
 TIME: Final = "time"
 #: Key of the estimate of a number of `OF_TURN`.
@@ -66,6 +70,10 @@ class HalfSignal:
         """Largest difference of the values at one crank angle, or of the extremes."""
         values = float(np.abs(self.values - other.values).max())
         return max(values, abs(self.least - other.least), abs(self.greatest - other.greatest))
+
+    def rms_apart(self, other: "HalfSignal") -> float:
+        """RMS difference of the values at equal crank angles."""
+        return float(np.sqrt(np.mean((self.values - other.values) ** 2)))
 
 
 @dataclass(frozen=True)
@@ -113,6 +121,7 @@ class MeasuredNumbers:
     consensus: tuple[Consensus, ...] = ()
     unestimated: str = "there is no settled cycle"  # why there are no estimates of the measures (a clause), "" if there are
     extreme_estimates: dict[str, dict[str, float]] = field(default_factory=dict)  # column -> half -> error estimate of its extremes
+    waveform_estimates: dict[str, dict[str, float]] = field(default_factory=dict)  # column -> half -> RMS of its estimated error
     turn_estimates: dict[str, dict[str, float]] = field(default_factory=dict)  # column -> "rms", "change" -> error estimate over a turn
 
     @classmethod
@@ -123,7 +132,8 @@ class MeasuredNumbers:
             measures=measures,
             consensus=consensus,
             unestimated=unestimated,
-            extreme_estimates=extreme_estimates(compared),
+            extreme_estimates=signal_estimates(compared, HalfSignal.apart),
+            waveform_estimates=signal_estimates(compared, HalfSignal.rms_apart),
             turn_estimates=turn_estimates(compared),
         )
 
@@ -142,8 +152,8 @@ def with_estimates(
     """
     measures = []
     for place, measure in enumerate(delivered.measures):
-        parts = {name: _of_vibration(compared, place, name, getattr(measure, name)) for name in VIBRATION}
-        parts |= dict.fromkeys(EXTREMES, _of_extremes(compared, measure.half, measure.channel))
+        parts = {name: _of_vibration(compared, place, name, measure) for name in VIBRATION}
+        parts |= dict.fromkeys(EXTREMES, _of_signal(compared, measure.half, measure.channel, HalfSignal.apart))
         estimates: dict[str, Any] = {f"{name}_estimate": total(some) for name, some in parts.items()}
         measures.append(replace(measure, **estimates, parts=parts))
     consensus = (replace(each, first_mode_frequency_estimate=mean_estimate(measures, each.half)) for each in delivered.consensus)
@@ -208,31 +218,40 @@ def _rms_apart(name: str, one: MeasuredCycle, other: MeasuredCycle) -> float:
     return float(np.sqrt(np.mean(np.concatenate(halves) ** 2)))
 
 
-def extreme_estimates(compared: Sequence[Compared[MeasuredCycle]]) -> dict[str, dict[str, float]]:
-    """Column -> half -> estimate of the error of its extremes, in its unit."""
+def signal_estimates(
+    compared: Sequence[Compared[MeasuredCycle]], apart: Callable[[HalfSignal, HalfSignal], float]
+) -> dict[str, dict[str, float]]:
+    """Column -> half -> estimate of the error of its signal, in its unit, by the size of the difference of two signals."""
     estimates: dict[str, dict[str, float]] = {}
     for half, name in compared[0].run.signals if compared else ():
-        estimates.setdefault(name, {})[half] = sum(part.error for part in _of_extremes(compared, half, name))
+        estimates.setdefault(name, {})[half] = sum(part.error for part in _of_signal(compared, half, name, apart))
     return estimates
 
 
-def _of_extremes(compared: Sequence[Compared[MeasuredCycle]], half: str, name: str) -> tuple[ErrorPart, ...]:
-    return tuple(runs.part(lambda one, other: one.signals[half, name].apart(other.signals[half, name])) for runs in compared)
+def _of_signal(
+    compared: Sequence[Compared[MeasuredCycle]], half: str, name: str, apart: Callable[[HalfSignal, HalfSignal], float]
+) -> tuple[ErrorPart, ...]:
+    return tuple(runs.part(lambda one, other: apart(one.signals[half, name], other.signals[half, name])) for runs in compared)
 
 
-def _of_vibration(compared: Sequence[Compared[MeasuredCycle]], place: int, name: str, value: float | None) -> tuple[ErrorPart, ...]:
+def _of_vibration(compared: Sequence[Compared[MeasuredCycle]], place: int, name: str, measure: ChannelMeasures) -> tuple[ErrorPart, ...]:
     """Parts of the error of a number; none where not every run resolves it. `place` is that of the measure among those of a cycle."""
+    signal, at_least = (measure.half, measure.channel), AT_LEAST[name] * measure.response(name)
 
     def of(run: MeasuredCycle) -> float | None:
         number: float | None = getattr(run.measures.measures[place], name)
         return number
 
-    if not compared or value is None or any(of(run) is None for runs in compared for pair in runs.pairs for run in pair):
+    def apart(one: MeasuredCycle, other: MeasuredCycle) -> float:
+        numbers = abs(of(one) - of(other))  # type: ignore[operator]
+        return max(numbers, at_least * one.signals[signal].rms_apart(other.signals[signal]) if at_least > 0.0 else 0.0)
+
+    if not compared or getattr(measure, name) is None or any(of(run) is None for runs in compared for pair in runs.pairs for run in pair):
         return ()
 
     def part(runs: Compared[MeasuredCycle]) -> ErrorPart:
         if runs.before and of(runs.before[0]) is None:
             runs = replace(runs, before=None, unchecked="does not resolve the number")
-        return runs.part(lambda one, other: abs(of(one) - of(other)))  # type: ignore[operator]
+        return runs.part(apart)
 
     return tuple(map(part, compared))

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.cases.motion.drifting_fit import Bounds, Fit, Problem, Waves, left_by, orthonormal, refined, without
-from quickreturn.cases.motion.half_cycle import ChannelHalf, polynomials
+from quickreturn.cases.motion.half_cycle import SAMPLES, ChannelHalf, polynomials
 
 Array = NDArray[np.float64]
 
@@ -46,6 +46,9 @@ class FirstMode:
     frequency_uncertainty: float | None = None  # Hz, one standard deviation
     amplitude: float | None = None  # RMS of the envelope over the half, the channel's unit
     amplitude_uncertainty: float | None = None  # the same unit, one standard deviation
+    variation: float = 0.0  # RMS of the signal less its mean, the channel's unit
+    frequency_gain: float | None = None  # largest relative change of the frequency over the RMS change of the signal over `variation`
+    amplitude_gain: float | None = None  # the same of the amplitude
 
 
 @dataclass(frozen=True)
@@ -57,6 +60,7 @@ class _Estimate:
     drift_distance: float  # relative difference of alpha in the fit with free drift
     amplitude: float  # RMS of the envelope
     amplitude_uncertainty: float  # one standard deviation
+    gains: tuple[float, float]  # of frequency and amplitude, see `FirstMode`
     doubts: tuple[str, ...]  # reasons why there may be no first mode
     fit: Fit  # the main one
 
@@ -111,7 +115,8 @@ def _estimate(channel: ChannelHalf, slow: Array, main: Fit, others: Sequence[Fit
     """The estimate of a channel from its fits; `others`: with free drift, then with other slow parts."""
     free_drift, *variants = others
     alpha, amplitude = main.parameters[0], _amplitude(channel, main)
-    statistical_alpha, statistical_amplitude = _statistical_uncertainty(channel, main, slow.shape[1])
+    by_noise = _responses(channel, main)
+    statistical_alpha, statistical_amplitude = np.sqrt(_variance(main, slow.shape[1])) * by_noise
     variants = [fit for fit in variants if fit.residual_rms <= IGNORED_VARIANT * main.residual_rms]
     spread_alpha = _spread([fit.parameters[0] for fit in variants], alpha)
     spread_amplitude = _spread([_amplitude(channel, fit) for fit in (*variants, free_drift)], amplitude)
@@ -123,6 +128,7 @@ def _estimate(channel: ChannelHalf, slow: Array, main: Fit, others: Sequence[Fit
         drift_distance=abs(free_drift.parameters[0] / alpha - 1.0),
         amplitude=amplitude,
         amplitude_uncertainty=uncertain,
+        gains=(float(np.sqrt(SAMPLES) * by_noise[0] / alpha), float(np.sqrt(SAMPLES) * by_noise[1] / amplitude) if amplitude else 0.0),
         doubts=_doubts(channel, slow, main, amplitude, uncertain),
         fit=main,
     )
@@ -131,17 +137,18 @@ def _estimate(channel: ChannelHalf, slow: Array, main: Fit, others: Sequence[Fit
 def _resolved(channel: ChannelHalf, estimate: _Estimate, uncertainty: float) -> FirstMode:
     """Judge frequency, with its relative uncertainty, and amplitude, each by itself."""
     if estimate.doubts:
-        return FirstMode(f"no frequency, no amplitude: {'; '.join(estimate.doubts)}", estimate.fit)
+        return FirstMode(f"no frequency, no amplitude: {'; '.join(estimate.doubts)}", estimate.fit, variation=channel.unit)
     reasons, limit = [], GREATEST_FREQUENCY_UNCERTAINTY
-    numbers: dict[str, float] = {}
+    numbers: dict[str, float] = {"variation": channel.unit}
     if estimate.amplitude_uncertainty < GREATEST_AMPLITUDE_UNCERTAINTY * estimate.amplitude:
         numbers |= {"amplitude": estimate.amplitude * channel.unit, "amplitude_uncertainty": estimate.amplitude_uncertainty * channel.unit}
+        numbers["amplitude_gain"] = estimate.gains[1]
     else:
         limit = GREATEST_WITHOUT_AMPLITUDE
         reasons.append("no amplitude: uncertain by more than a third")
     if uncertainty < limit:
         frequency = float(estimate.alpha * channel.half.mean_frequencies[0])
-        numbers |= {"frequency": frequency, "frequency_uncertainty": uncertainty * frequency}
+        numbers |= {"frequency": frequency, "frequency_uncertainty": uncertainty * frequency, "frequency_gain": estimate.gains[0]}
     else:
         reasons.insert(0, f"no frequency: uncertain by more than {limit:.0%}")
     return FirstMode("; ".join(reasons), estimate.fit, **numbers)
@@ -191,12 +198,19 @@ def _oscillation(channel: ChannelHalf, fit: Fit) -> Array:
     return np.asarray(waves.first_mode(alpha, beta, kappa, rho) @ fit.weights[:2] + waves.second_mode(alpha2) @ fit.weights[2:])
 
 
-def _statistical_uncertainty(channel: ChannelHalf, fit: Fit, slow_terms: int) -> tuple[float, float]:
-    """Standard deviations of alpha and of the amplitude from the residual and its correlation."""
+def _variance(fit: Fit, slow_terms: int) -> float:
+    """Variance of the noise by the residual; its correlation counts as more of it."""
     residual = fit.residual
     degrees_of_freedom = residual.size - slow_terms - 6 - np.count_nonzero(MAIN.free)
-    covariance = fit.covariance(float(residual @ residual) / degrees_of_freedom * _correlation_factor(residual), MAIN)
+    return float(residual @ residual) / degrees_of_freedom * _correlation_factor(residual)
 
+
+def _responses(channel: ChannelHalf, fit: Fit) -> Array:
+    """Standard deviations of alpha and of the amplitude, in units of the signal's RMS, by independent noise of variance 1, shape (2,).
+
+    They are also the norms of their derivatives by the signal's 240 values.
+    """
+    covariance = fit.covariance(1.0, MAIN)
     a, b = fit.weights[:2]
     sigma, rho = channel.half.places[0], fit.parameters[3]
     weight = channel.templates[0] ** 2 * (1.0 + rho * sigma)
@@ -205,7 +219,7 @@ def _statistical_uncertainty(channel: ChannelHalf, fit: Fit, slow_terms: int) ->
     by_weight = np.array([a, b]) * np.mean(weight * (1.0 + rho * sigma)) / amplitude
     gradient = np.zeros(11)
     gradient[[0, 1, 9]] = by_weight[0], by_weight[1], by_rho
-    return float(np.sqrt(covariance[6, 6])), float(np.sqrt(gradient @ covariance @ gradient))
+    return np.sqrt([covariance[6, 6], gradient @ covariance @ gradient])
 
 
 def _correlation_factor(residual: Array) -> float:

@@ -227,6 +227,9 @@ def _mean(measures: Sequence[ChannelMeasures]) -> ChannelMeasures:
         if uncertainty is not None:
             uncertainty = uncertainty + BOUND * error if name in ("minimum", "maximum") else math.hypot(uncertainty, error)
         numbers[f"{name}_uncertainty"] = uncertainty
+    for name in ("variation", "first_mode_frequency_gain", "first_mode_amplitude_gain"):
+        known = [value for measure in measures if (value := getattr(measure, name)) is not None]
+        numbers[name] = float(np.mean(known)) if known else None
     reasons = [measure.reason for measure in measures if measure.reason]
     unresolved = numbers["first_mode_frequency"] is None or numbers["first_mode_amplitude"] is None
     return ChannelMeasures(**numbers, reason=max(set(reasons), key=reasons.count) if unresolved else "")

@@ -1,4 +1,4 @@
-"""A number with its claimed errors, and whether it agrees with another one."""
+"""A number with its claimed errors."""
 
 import math
 from dataclasses import dataclass, field, replace
@@ -11,8 +11,12 @@ VERDICTS: Final[tuple[Verdict, ...]] = ("agrees", "disagrees", "says nothing")
 #: Largest tolerance, over the scale, of a comparison that says something where it is kept; a larger one of a frequency would hide what
 #: the thesis found, frequencies that are some percent too high.
 TELLING: Final = 0.1
-TELLING_OF_FREQUENCIES: Final = 0.02
-SAYS_NOTHING: Final = f"{TELLING:.0%} of the number, of a frequency {TELLING_OF_FREQUENCIES:.0%}".replace("%", " %")
+TELLING_OF_AMPLITUDES: Final = 0.05
+TELLING_OF_FREQUENCIES: Final = 0.01
+SAYS_NOTHING: Final = (
+    f"{100 * TELLING:g} % of the number, of an amplitude {100 * TELLING_OF_AMPLITUDES:g} %,"
+    f" of a frequency {100 * TELLING_OF_FREQUENCIES:g} %"
+)
 
 
 @dataclass(frozen=True)
@@ -55,16 +59,6 @@ class Number:
         names = ("value", "estimate", "measurement", "settling")
         numbers = {name: factor * number for name in names if (number := getattr(self, name)) is not None}
         return replace(self, **numbers, parts=tuple(replace(part, difference=factor * part.difference) for part in self.parts))
-
-    def within(self, other: "Number") -> bool:
-        """Whether the difference from another number is within both claims; False for nan."""
-        return abs(self.value - other.value) <= self.error + other.error
-
-    def agrees(self, other: "Number", scale: float, telling: float = TELLING) -> Verdict:
-        """Whether two numbers agree; a tolerance beyond `telling` of the scale would hide any mistake."""
-        if not self.within(other):
-            return "disagrees"
-        return "agrees" if self.error + other.error <= telling * scale else "says nothing"
 
 
 #: Where there is no number.

@@ -2,15 +2,17 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 import numpy as np
 
 from quickreturn.cases.motion.consensus import Consensus
-from quickreturn.cases.motion.cycle import ChannelMeasures
+from quickreturn.cases.motion.cycle import EXTREMES, ChannelMeasures
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.estimates import MeasuredNumbers
+from quickreturn.cases.motion.number import Number, or_nan
+from quickreturn.cases.motion.of_turn import rms_over_time
 from quickreturn.cases.motion.orbit import Orbit
 from quickreturn.cases.motion.settling import Outlook
 from quickreturn.cases.motion.stability import Multiplier
@@ -222,6 +224,19 @@ class Run:
     def measure(self, half: str, channel: str) -> ChannelMeasures | None:
         """The measure of a half and channel, or None if there is none."""
         return next((measure for measure in self.measured.measures if (measure.half, measure.channel) == (half, channel)), None)
+
+    def number(self, quantity: str, half: str, channel: str) -> Number | None:
+        """A number of `VIBRATION` or `EXTREMES` with its claims and what is left to the steady state; None if it is not resolved."""
+        measure = self.measure(half, channel)
+        number = None if measure is None else measure.number(quantity)
+        if measure is None or number is None:
+            return None
+        if quantity in EXTREMES:
+            return replace(number, settling=or_nan((self.approach.settling_errors or {}).get(channel)))
+        if channel not in self.cycle or not self.approach.settling_error:
+            return number
+        left = self.approach.settling_error * rms_over_time(self.cycle["time"], self.cycle[channel])
+        return replace(number, settling=measure.response(quantity) * left)
 
     def consensus_of(self, half: str) -> Consensus | None:
         """The consensus of a half on the first-mode frequency; None if there is none, or where it is not resolvable."""

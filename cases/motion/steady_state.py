@@ -185,8 +185,11 @@ class _RunInProgress:
         """The settled cycle, or the last ones if they keep changing; the turn asked for, if there is one."""
         if self._request.turn is not None:
             return (self._turn(self._request.turn),)
-        orbit = None if self._request.straight else self._request.orbit
-        multiplier = 0.0 if is_determined(self._mechanism) else None
+        of_reference = self._request.orbit
+        orbit = None if self._request.straight else of_reference
+        multiplier = 0.0 if is_determined(self._mechanism) else None if of_reference is None else of_reference.multiplier
+        if self._request.straight and multiplier is not None and multiplier >= 1.0:
+            multiplier = None  # of a motion that the march leaves
         if cycle := self._direct_cycle():
             return (cycle,)
         self.note("approach", start=STANDARD)
@@ -198,7 +201,6 @@ class _RunInProgress:
             if hopeless := orbit.hopeless(max(known, default=UNKNOWN_ERROR)):
                 raise Hopeless(hopeless)
             self.note("approach", start=FROM_ORBIT)
-            multiplier = orbit.multiplier if multiplier is None else multiplier
         progress.tell(phase="marching")
         march = self._march(self._settings)
         try:
@@ -245,7 +247,8 @@ class _RunInProgress:
         progress.tell(phase="estimating the cycle's error")
         pairs, bends = settled_pairs(self._engine, self._settings, self._mechanism), not self._mechanism.follower.is_rigid
         try:
-            return tuple(all_compared(pairs, self._settings, run, lambda cycles: cycles[-1], bends=bends)), ""
+            found = all_compared(pairs, self._settings, run, lambda cycles: cycles[-1], bends=bends)
+            return tuple(runs.growing(self._growth) for runs in found), ""
         except NoEstimate as reason:
             return (), str(reason)
         except EngineFailure as failure:
@@ -254,6 +257,15 @@ class _RunInProgress:
             raise
         except Exception as error:  # the delivered cycle stays good
             return (), f"the run for their estimate: {raised(error)}"
+
+    @property
+    def _growth(self) -> float:
+        """Largest ratio of an error in the delivered cycle to that in the compared one.
+
+        In a mode of which m remains after a cycle, what each cycle adds has grown to 1 - m^k of its limit in cycle k from the orbit.
+        """
+        orbit = self._request.orbit
+        return 1.0 / (1.0 - (orbit.multiplier or 0.0) ** ESTIMATED_CYCLES) if self._early and orbit else 1.0
 
     def _same_cycles(self, settings: Settings) -> tuple[Columns, ...]:
         """The steady cycles with other settings: found directly like the delivered one, or after as many cycles; settled at least.

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-from quickreturn.cases.comparison.engines import CONSENSUS, REFERENCE, CaseResult, pair_of
+from quickreturn.cases.comparison.engines import CONSENSUS, REFERENCE, CaseResult, Pair
 from quickreturn.cases.files.shown import Units
 from quickreturn.cases.motion.catalogue import IN_TABLES, MEASURES
 from quickreturn.cases.motion.cycle import EXTREMES, HALVES, VIBRATION
@@ -152,7 +152,7 @@ def _number_cells(key: str, run: Run, number: Number | None, reason: str, differ
 
 
 def _difference(run: Run, other: Run | None, quantity: str, half: str, channel: str | None, mark: Mark = "") -> Cell:
-    pair = None if other is None else pair_of(run, other, quantity, half, channel)
+    pair = None if other is None else Pair(run, other).numbers(quantity, half, channel)
     return Cell(pair[0].value / pair[1].value - 1.0, mark=mark) if pair and pair[1].value else Cell(None)
 
 

@@ -186,9 +186,10 @@ class _Point:
     def _measured(self, state: FoundOrbit, orbit: PeriodicOrbit, cycle: Columns, comparisons: Sequence[Compared[Columns]]) -> Run:
         """The turn as `run` would report it, reduced to what the measures need."""
         measures = [measure(name) for name in self._asked.measures]
-        columns = dict.fromkeys(name for name in (*(name for one in measures for name in one.columns), MOTION) if name in cycle)
         damping = crank_damping(self._scene)
         scale = time_scale(self._scene) if any(one.vibration for one in measures) else None
+        needed_by = (name for one in measures for name in one.columns)
+        columns = dict.fromkeys(name for name in (*needed_by, MOTION, *(CHANNELS if scale else ())) if name in cycle)
 
         def measured(turn: Columns) -> MeasuredCycle:
             needed = {name: turn[name] for name in ("time", "crank_angle", *columns)}

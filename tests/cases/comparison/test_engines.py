@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from quickreturn.cases.comparison.engines import CONSENSUS, CaseResult, Difference, compare, not_judged
+from quickreturn.cases.comparison.engines import CONSENSUS, WAVEFORM, CaseResult, Difference, compare, not_judged
 from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.motion.consensus import Consensus
 from quickreturn.cases.motion.cycle import ChannelMeasures
@@ -18,14 +18,16 @@ from tests.changed_run import changed_run
 
 CASE = load_case("thesis-24")
 PEAK = 2.0
-CYCLE = {name: PEAK * np.sin(np.linspace(0.0, 2.0 * np.pi, 1001)) for name in CHANNELS}
+TURNED = np.linspace(0.0, 2.0 * np.pi, 1001)
+SIGNAL = PEAK * np.sin(TURNED)
+RMS = PEAK / math.sqrt(2.0)  # in each half as well
 SETTLING = 4e-4
 
 
 def run(
     name: str, off: float = 0.0, claimed: float = 1e-3, status: str = Ending.SETTLED, estimate_of: str = "total", **changes: Any
 ) -> Run:
-    """All numbers off by `off`, relative (extremes: to the peak), and claimed to be off by `claimed`; changes are of every measure."""
+    """Numbers and signals off by `off` (extremes: of the peak), and claimed to be off by `claimed`; changes: of every measure."""
     settled = status in (Ending.SETTLED, Ending.INACCURATE)
 
     def measure(half: str, channel: str) -> ChannelMeasures:
@@ -58,7 +60,9 @@ def run(
         unestimated="" if settled else status,
         measures=tuple(measure(half, channel) for half in halves for channel in CHANNELS),
         consensus=tuple(Consensus(half, 17.0 * (1.0 + off), 0.1) for half in halves),
-        cycle=dict(CYCLE) if settled else {},
+        extreme_estimates={channel: dict.fromkeys(halves, PEAK * claimed) for channel in CHANNELS},
+        waveform_estimates={channel: dict.fromkeys(halves, RMS * claimed) for channel in CHANNELS},
+        cycle={"time": TURNED / 16.0, "crank_angle": np.pi + TURNED, **dict.fromkeys(CHANNELS, (1.0 + off) * SIGNAL)} if settled else {},
     )
 
 
@@ -73,13 +77,36 @@ def check_of(found: CaseResult, quantity: str, channel: str | None = "strain_1")
 def test_a_tolerance_is_what_both_claim_and_what_the_measurement_leaves_open() -> None:
     found = result(run("reference", claimed=1e-3), run("a", off=2e-3, claimed=5e-3))
     assert check_of(found, "maximum").tolerance == pytest.approx(PEAK * (6e-3 + 2.0 * SETTLING))
-    assert check_of(found, "first_mode_frequency").tolerance == pytest.approx(17.0 * 6e-3 + 0.2)
-    assert check_of(found, "first_mode_amplitude").tolerance == pytest.approx(6e-3 + 0.06)
-    # four channels alike, correlated by a half: the mean has the root of 5/8 of the uncertainty
-    assert check_of(found, CONSENSUS, None).tolerance == pytest.approx(17.0 * 6e-3 + 0.2 * math.sqrt(0.625), rel=1e-6)
+    # signals that differ by 2e-3 share all but 2e-3 of the measurement's uncertainty
+    assert check_of(found, "first_mode_frequency").tolerance == pytest.approx(17.0 * 6e-3 + 2e-3 * 0.2)
+    assert check_of(found, "first_mode_amplitude").tolerance == pytest.approx(6e-3 + 2e-3 * 0.06)
+    assert check_of(found, CONSENSUS, None).tolerance == pytest.approx(17.0 * 6e-3 + 2e-3 * 0.2)
+    assert check_of(found, "waveform").tolerance == pytest.approx(RMS * (6e-3 + 2.0 * SETTLING), rel=1e-3)
+    assert check_of(found, "largest_difference").tolerance == pytest.approx(PEAK * (6e-3 + 2.0 * SETTLING))
     assert check_of(found, "maximum").difference == pytest.approx(PEAK * 2e-3)
+    assert check_of(found, "waveform").difference == pytest.approx(RMS * 2e-3, rel=1e-2)
+    assert check_of(found, "largest_difference").difference == pytest.approx(PEAK * 2e-3, rel=1e-5)
     assert found.passed is True
     assert found.reason == ""
+
+
+def test_signals_that_have_nothing_in_common_share_no_uncertainty() -> None:
+    other = run("a")
+    columns = {**other.cycle, **dict.fromkeys(CHANNELS, -SIGNAL)}
+    apart = result(run("reference"), changed_run(other, cycle=columns))
+    assert check_of(apart, "first_mode_frequency").measurement == pytest.approx(0.2)
+    averaged = result(run("reference"), changed_run(other, averaged_cycles=30))
+    assert check_of(averaged, "first_mode_frequency").measurement == pytest.approx(0.2)
+    assert {check.quantity for check in averaged.checks}.isdisjoint(WAVEFORM)
+
+
+def test_what_is_left_to_the_steady_state_passes_through_the_fit() -> None:
+    gains = {"variation": 0.5, "first_mode_frequency_gain": 0.4, "first_mode_amplitude_gain": 2.0}
+    found = result(run("reference"), run("a", **gains))
+    left = SETTLING * RMS / 0.5
+    assert check_of(found, "first_mode_frequency").number.settling == pytest.approx(0.4 * 17.0 * left, rel=1e-3)
+    assert check_of(found, "first_mode_amplitude").number.settling == pytest.approx(2.0 * left, rel=1e-3)
+    assert check_of(found, "first_mode_frequency").tolerance == pytest.approx(17.0 * (2e-3 + 0.4 * left), rel=1e-3)
 
 
 @pytest.mark.parametrize(("claimed", "passed"), [(0.02, True), (1e-3, False)])
@@ -157,6 +184,8 @@ def test_a_claim_as_wide_as_the_number_says_nothing() -> None:
         "first_mode_amplitude": "agrees",
         "minimum": "agrees",
         "maximum": "agrees",
+        "waveform": "agrees",
+        "largest_difference": "agrees",
     }
     assert set(by_engine["c"].values()) == {"disagrees"}
     counts = found.agreement
@@ -177,12 +206,12 @@ def test_a_run_that_misses_its_accuracy_is_judged_and_told() -> None:
 
 def test_what_has_no_estimate_is_not_compared() -> None:
     found = result(run("reference"), run("a", first_mode_frequency_estimate=None))
-    assert {check.quantity for check in found.checks} == {"first_mode_amplitude", "minimum", "maximum"}
+    assert {check.quantity for check in found.checks} == {"first_mode_amplitude", "minimum", "maximum", *WAVEFORM}
     # a frequency without an amplitude, and the other way round
     found = result(run("reference"), run("a", first_mode_amplitude=None, first_mode_amplitude_estimate=None))
-    assert {check.quantity for check in found.checks} == {CONSENSUS, "first_mode_frequency", "minimum", "maximum"}
+    assert {check.quantity for check in found.checks} == {CONSENSUS, "first_mode_frequency", "minimum", "maximum", *WAVEFORM}
     found = result(run("reference"), run("a", **dict.fromkeys(("first_mode_frequency", "first_mode_frequency_estimate"))))
-    assert {check.quantity for check in found.checks} == {"first_mode_amplitude", "minimum", "maximum"}
+    assert {check.quantity for check in found.checks} == {"first_mode_amplitude", "minimum", "maximum", *WAVEFORM}
 
 
 @pytest.mark.parametrize(("claimed", "expected"), [(1e-3, "0.1 %"), (1.1e-3, "0.3 %"), (0.0099, "1 %"), (0.099, "10 %"), (0.11, "worse")])

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from quickreturn.cases.comparison.campaign import cross_validate
-from quickreturn.cases.comparison.engines import CONSENSUS, CaseResult, pair_of
+from quickreturn.cases.comparison.engines import CONSENSUS, CaseResult, Pair
 from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.library import case_names
 from quickreturn.cases.motion.cycle import HALVES
@@ -59,7 +59,7 @@ def assert_as_stiff_as_published(result: CaseResult) -> None:
     thesis, reference = result.runs.get("thesis"), result.runs["reference"]
     for half in HALVES if thesis is not None else ():
         for quantity, channel in ((CONSENSUS, None), *(("first_mode_frequency", channel) for channel in CHANNELS)):
-            if pair := pair_of(thesis, reference, quantity, half, channel, claimed=True):
+            if pair := Pair(thesis, reference, claimed=True).numbers(quantity, half, channel):
                 model, converged = pair
                 ratio = model.value / converged.value
                 width = ratio * math.hypot(model.uncertainty / model.value, converged.uncertainty / converged.value)

@@ -1,5 +1,7 @@
 """Estimates of measures, on pairs of runs whose errors are known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -70,6 +72,24 @@ def test_extremes_that_are_alike_by_accident_are_not_taken_for_right() -> None:
     for measure in with_estimates(delivered.measures, [Compared(delivered, cycle(tilt=0.4), 3.0)])[0]:
         assert measure.maximum_estimate == measure.minimum_estimate == pytest.approx(0.2)
         assert measure.first_mode_frequency_estimate == 0.0
+
+
+def test_numbers_that_are_alike_by_accident_are_not_taken_for_right() -> None:
+    """The tilt of 0.4 at the ends moves a frequency that responds to the signal; the two numbers are the same."""
+    responds = {"variation": 0.5, "first_mode_frequency_gain": 0.3, "first_mode_amplitude_gain": 2.0}
+    delivered = cycle()
+    measures = CycleMeasures(tuple(replace(each, **responds) for each in delivered.measures.measures), ())
+    apart = 0.4 / np.sqrt(3.0) / 0.5  # RMS of a straight line, over the signal's variation
+    for measure in with_estimates(measures, [Compared(delivered, cycle(tilt=0.4), 3.0)])[0]:
+        assert measure.first_mode_frequency_estimate == pytest.approx(0.25 * 0.3 * 17.0 * apart / 2.0, rel=0.01)
+        assert measure.first_mode_amplitude_estimate == pytest.approx(0.5 * 2.0 * 2.0 * apart / 2.0, rel=0.01)
+
+
+def test_an_error_that_has_not_built_up_counts_with_what_it_grows_to() -> None:
+    delivered, pair = cycle(0.1), Compared(cycle(0.1), cycle(0.4), 4.0)
+    small, large = (with_estimates(delivered.measures, [each])[0][0] for each in (pair, pair.growing(2.5)))
+    assert large.first_mode_frequency_estimate == pytest.approx(2.5 * 0.1)
+    assert large.maximum_estimate == pytest.approx(2.5 * small.maximum_estimate)
 
 
 def test_what_one_run_does_not_resolve_has_no_estimate() -> None:

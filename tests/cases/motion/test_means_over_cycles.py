@@ -8,7 +8,7 @@ import pytest
 
 from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.motion.endings import Ending
-from quickreturn.cases.motion.estimates import HalfSignal, MeasuredCycle, extreme_estimates
+from quickreturn.cases.motion.estimates import HalfSignal, MeasuredCycle, signal_estimates
 from quickreturn.cases.motion.marching import AVERAGED, channels_of, settle
 from quickreturn.cases.motion.request import RunRequest
 from quickreturn.cases.motion.settling import GREATEST_NUMBER, Cycle
@@ -61,7 +61,7 @@ def test_estimates_compare_the_mean_extremes_and_the_mean_signals() -> None:
     def estimate(other: np.ndarray) -> float:
         halves = (HalfSignal.of(values) for values in (signals, other))
         one, two = (MeasuredCycle(measures(), {("pre", "strain_1"): half}, rms={}, change={}, numbers={}) for half in halves)
-        return extreme_estimates([Compared(one, two, 2.0)])["strain_1"]["pre"]
+        return signal_estimates([Compared(one, two, 2.0)], HalfSignal.apart)["strain_1"]["pre"]
 
     assert estimate(signals[::-1]) == pytest.approx(0.0, abs=1e-14)
     assert estimate(signals + 0.2) == pytest.approx(0.2)

@@ -19,21 +19,6 @@ TURNED = np.linspace(0.0, 2.0 * np.pi, 1001)
 TURN = {"time": TURNED / (4.0 * np.pi), "crank_angle": np.pi + TURNED, "crank_speed": 4.0 * np.pi + 0.15 * np.cos(TURNED)}
 
 
-@pytest.mark.parametrize(
-    ("other", "verdict"),
-    [
-        (Number(10.3, 0.1, 0.1), "agrees"),  # 0.3 within 0.2 + 0.15
-        (Number(10.4, 0.1, 0.1), "disagrees"),
-        (Number(10.4, 1.0, 0.1), "says nothing"),  # a tolerance of 1.25 would hide an error of a tenth
-        (Number(10.3), "disagrees"),  # nothing is claimed
-    ],
-)
-def test_numbers_agree_within_both_claims_if_these_say_something(other: Number, verdict: str) -> None:
-    one = Number(10.0, 0.1, 0.03, 0.02)
-    assert one.error == pytest.approx(0.15)
-    assert one.agrees(other, scale=10.0) == other.agrees(one, scale=10.0) == verdict
-
-
 def test_a_number_in_another_unit_has_its_errors_and_their_parts_in_that_unit() -> None:
     part = ErrorPart("time", {"step": 1e-3}, {"step": 5e-4}, 0.02, 0.25, 4.0 / 3.0)
     number = Number(2.0, part.error, 0.1, 0.2, (part,), time=0.3, crank_angle=1.0, place=0.4).times(1e3)

@@ -33,7 +33,7 @@ def spread_of(*shares: float, case: str = "thesis-24", channel: str | None = Non
     """The spread of relative differences."""
     found = spread(
         [
-            Difference(case, "a", "reference", "maximum", "pre", channel, Number(1.0 + share, 0, 0), Number(1.0, 0, 0), 1.0)
+            Difference(case, "a", "reference", "maximum", "pre", channel, Number(1.0 + share, 0, 0), Number(1.0, 0, 0), 1.0, 0.0)
             for share in shares
         ]
     )
