@@ -132,9 +132,9 @@ class Compared(Generic[R]):
         results = compute(self.run), compute(self.other)
         return Compared(*results, self.factor, before, self.unchecked, self.of, self.settings, besides, self.growth)
 
-    def growing(self, growth: float) -> "Compared[R]":
-        """The same runs, of which each shows only a part of its error: the error in question is `growth` times as large."""
-        return replace(self, growth=growth, besides=self.besides and self.besides.growing(growth))
+    def growing(self, growth: Callable[[R, R], float]) -> "Compared[R]":
+        """The same runs, whose difference shows only a part of the error: that in question is `growth` of the two times as large."""
+        return replace(self, growth=growth(self.run, self.other), besides=self.besides and self.besides.growing(growth))
 
     @property
     def pairs(self) -> tuple[tuple[R, R], ...]:

@@ -145,7 +145,7 @@ def _order(requests: Mapping[Name, RunRequest]) -> list[Name]:
 
 def _marches_from_orbit(request: RunRequest) -> bool:
     chosen = engine(request.engine)
-    if request.straight or request.orbit is not None or not begins_in_orbit(chosen):
+    if request.orbit is not None or not begins_in_orbit(chosen):
         return False
     try:
         chosen.check(request.mechanism)

@@ -90,7 +90,7 @@ class Difference:
         other_number: the other engine's; of a waveform 0.
         scale: divisor of relative differences: magnitude of the other's value; for an extreme and the largest difference of two waveforms
             the channel's largest in the other's cycle, for their RMS difference the channel's RMS in the half.
-        measurement: the part of the tolerance for the measurements: their uncertainties as far as the signals differ.
+        unshared: the part of the tolerance for the measurements: their uncertainties as far as the signals differ.
     """
 
     case: str
@@ -102,7 +102,7 @@ class Difference:
     number: Number
     other_number: Number
     scale: float
-    measurement: float
+    unshared: float
 
     @property
     def difference(self) -> float:
@@ -126,9 +126,9 @@ class Difference:
 
     @property
     def tolerance(self) -> float:
-        """Largest difference within both claims: estimates, what is left to the steady state, and `measurement`."""
+        """Largest difference within both claims: estimates, what is left to the steady state, and `unshared`."""
         both = (self.number, self.other_number)
-        return sum(or_nan(number.estimate) + number.settling for number in both) + self.measurement
+        return sum(or_nan(number.estimate) + number.settling for number in both) + self.unshared
 
     @property
     def passed(self) -> bool:
@@ -151,7 +151,7 @@ class Difference:
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values for JSON and CSV."""
-        names = ("engine", "other", "quantity", "half", "channel", "difference", "tolerance", "measurement", "scale", "passed", "verdict")
+        names = ("engine", "other", "quantity", "half", "channel", "difference", "tolerance", "unshared", "scale", "passed", "verdict")
         claims = {"": self.number, "other_": self.other_number}.items()
         parts = ("value", "estimate", "uncertainty", "measurement", "settling")
         numbers = {f"{whose}{part}": getattr(claim, part) for whose, claim in claims for part in parts}
@@ -378,7 +378,7 @@ class Pair:
             return Number(float(weights @ values), float(weights @ estimates), uncertainty, float(weights @ settling))
 
         number, other_number = mean([pair.number for pair in found]), mean([pair.other_number for pair in found])
-        return number, other_number, float(weights @ [pair.measurement for pair in found]), abs(other_number.value)
+        return number, other_number, float(weights @ [pair.unshared for pair in found]), abs(other_number.value)
 
     def _waveform(self, quantity: str, half: str, channel: str) -> tuple[Number, Number, float, float] | None:
         if channel not in self._waveforms:

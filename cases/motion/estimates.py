@@ -3,7 +3,7 @@
 The same measures are taken of the same cycle in the runs that the engine compares (`engines.base.Comparison`); the parts of the error from
 their differences are added as for a trajectory (`engines.accurate`). Runs that march from the orbit are compared in their second cycle from
 there. An error in the slowest mode has not built up by then: of that mode m remains after a cycle, and the second cycle shows 1 - m^2 of
-the error, which is therefore taken as 1/(1 - m^2) times as large.
+the error. What it grows by is taken from the first two cycles (`engines.error_parts.Compared.growing`).
 
 Two frequencies or amplitudes of one half can be equal by accident, too. A part of the largest change that the signals' difference can make
 in the number (`ChannelMeasures.response`) counts at least.

@@ -50,7 +50,7 @@ class RunRequest:
     estimated: bool = True  # whether the measures of the cycle get estimates, which takes some more runs
     turn: int | None = None  # turn to measure, counted from the standard start (1, 2, ...), within `duration`; None: the steady state
     straight: bool = False  # march from the standard start even if there is an orbit
-    orbit: Orbit | None = None  # the orbit to begin in, as found by `carry_out`; None: the standard start
+    orbit: Orbit | None = None  # the orbit to begin in unless `straight`, as found by `carry_out`; its multiplier serves every march
 
     @property
     def start(self) -> Start:

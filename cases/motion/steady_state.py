@@ -27,10 +27,10 @@ import numpy as np
 from quickreturn.cases.motion.balances import Balances
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.estimates import MeasuredNumbers, measured_cycles
-from quickreturn.cases.motion.marching import March, columns_of, is_determined, output_step, periodic_cycle, settle
+from quickreturn.cases.motion.marching import March, channels_of, columns_of, is_determined, output_step, periodic_cycle, settle
 from quickreturn.cases.motion.orbit import UNKNOWN_ERROR, Orbit, compared_orbits, settled_pairs
 from quickreturn.cases.motion.request import DIRECT, ESTIMATED_CYCLES, FROM_ORBIT, STANDARD, Computation, PeriodicOrbit, Run, RunRequest
-from quickreturn.cases.motion.settling import Cycle
+from quickreturn.cases.motion.settling import Cycle, on_common_grid, relative_change
 from quickreturn.cases.motion.stability import NOT_CONVERGED, Multiplier, multiplier_of, nearly_one
 from quickreturn.cases.motion.time_scale import CHANNELS
 from quickreturn.engines import progress
@@ -101,7 +101,7 @@ class _RunInProgress:
         self._cycles: tuple[Columns, ...] = ()  # the measured cycles
         self._compared: tuple[Compared[tuple[Columns, ...]], ...] = ()
         self._found: FoundOrbit | None = None  # the delivered orbit, near which those for the error estimate are searched
-        self._early: tuple[Columns, ...] = ()  # of a march from the orbit: the cycle that is compared
+        self._early: tuple[Columns, ...] = ()  # of a march from the orbit: its first cycles, of which the last is compared
         self._rattling: Start | None = None  # the state after cycles that repeat in statistics only
         self._periodic_state = Remembered(self._searched)
         self._neutral = False  # whether disturbances neither grow nor die away
@@ -156,7 +156,8 @@ class _RunInProgress:
         of_runs = {id(self._cycles): self._cycles}  # a run may be compared with several
         for runs in self._compared:
             runs.mapped(lambda cycles: of_runs.setdefault(id(cycles), cycles))
-        measured = dict(zip(of_runs, measured_cycles(self._mechanism, list(of_runs.values())), strict=True))
+        counted = [cycles[-self.run.approach.averaged_cycles :] for cycles in of_runs.values()]
+        measured = dict(zip(of_runs, measured_cycles(self._mechanism, counted), strict=True))
         others = [runs.mapped(lambda cycles: measured[id(cycles)]) for runs in self._compared]
         self.note(measured=MeasuredNumbers.of(measured[id(self._cycles)].measures, others, self.run.measured.unestimated))
 
@@ -202,7 +203,7 @@ class _RunInProgress:
                 raise Hopeless(hopeless)
             self.note("approach", start=FROM_ORBIT)
         progress.tell(phase="marching")
-        march = self._march(self._settings)
+        self._early, march = (), self._march(self._settings)
         try:
             cycles, settling = settle(self._noted(march), multiplier, self._mechanism.slider.has_corners, march.halve_step)
         finally:
@@ -229,8 +230,8 @@ class _RunInProgress:
     def _noted(self, cycles: Iterable[Cycle]) -> Iterator[Cycle]:
         """The same cycles; keeps the one that is compared with other settings' in a march from the orbit."""
         for number, cycle in enumerate(cycles, 1):
-            if self.run.approach.start == FROM_ORBIT and number == ESTIMATED_CYCLES:
-                self._early = (columns_of(cycle),)
+            if self.run.approach.start == FROM_ORBIT and number <= ESTIMATED_CYCLES:
+                self._early = (*self._early, columns_of(cycle))
             yield cycle
 
     def _turn(self, number: int) -> Columns:
@@ -258,14 +259,21 @@ class _RunInProgress:
         except Exception as error:  # the delivered cycle stays good
             return (), f"the run for their estimate: {raised(error)}"
 
-    @property
-    def _growth(self) -> float:
-        """Largest ratio of an error in the delivered cycle to that in the compared one.
+    def _growth(self, run: tuple[Columns, ...], other: tuple[Columns, ...]) -> float:
+        """Largest ratio of an error in the delivered cycle to that in the compared one, by two runs' first cycles from the orbit.
 
-        In a mode of which m remains after a cycle, what each cycle adds has grown to 1 - m^k of its limit in cycle k from the orbit.
+        In a mode of which m remains after a cycle, what each cycle adds has grown to 1 - m^k of its limit in cycle k: that is at most
+        1/(1 - m^k) times as large. It is also at most what the last two cycles differ by, times m + m^2 + ..., more.
         """
-        orbit = self._request.orbit
-        return 1.0 / (1.0 - (orbit.multiplier or 0.0) ** ESTIMATED_CYCLES) if self._early and orbit else 1.0
+        if not self._early or self._request.orbit is None:
+            return 1.0
+        m = self._request.orbit.multiplier or 0.0
+        (one, two), (other_one, other_two) = ([on_common_grid(channels_of(cycle)) for cycle in cycles[-2:]] for cycles in (run, other))
+        apart = relative_change(two, other_two)
+        grows = {name: two[name] - other_two[name] - one[name] + other_one[name] + other_two[name] for name in two}
+        last = relative_change(other_two, grows)
+        by_last = 1.0 + m / (1.0 - m) * last / apart if apart > 0.0 else math.inf
+        return min(1.0 / (1.0 - m**ESTIMATED_CYCLES), by_last)
 
     def _same_cycles(self, settings: Settings) -> tuple[Columns, ...]:
         """The steady cycles with other settings: found directly like the delivered one, or after as many cycles; settled at least.
@@ -277,8 +285,8 @@ class _RunInProgress:
             march = March(self._engine.prepare(self._mechanism, self._rattling, settings), self._rattling.crank_speed, self._step)
             return tuple(columns_of(cycle) for cycle in islice(march, CYCLES_AFTER_CHANGE, CYCLES_AFTER_CHANGE + averaged))
         if self.run.approach.start != DIRECT:
-            number = ESTIMATED_CYCLES if self._early else self.run.approach.cycles
-            return tuple(columns_of(cycle) for cycle in islice(self._march(settings), number - averaged, number))
+            number, count = (ESTIMATED_CYCLES, ESTIMATED_CYCLES) if self._early else (self.run.approach.cycles, averaged)
+            return tuple(columns_of(cycle) for cycle in islice(self._march(settings), number - count, number))
         with contextlib.suppress(NoSteadyState):
             state = self._periodic_state(settings)
             if state is not None and (state.stable or self._neutral):

@@ -1,23 +1,19 @@
-"""Three studies that the report shows: accuracy against a confirmed solution, convergence, and the effect of the start."""
+"""Two studies that the report shows: accuracy against a confirmed solution, and convergence."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-from quickreturn.cases.comparison.campaign import Work, carry_out
+from quickreturn.cases.comparison.campaign import Work
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.case_file import load_case
-from quickreturn.cases.motion.marching import channels_of
-from quickreturn.cases.motion.request import Run, RunRequest
-from quickreturn.cases.motion.settling import on_common_grid, relative_change
 from quickreturn.cases.motion.solving import Answer, TrajectoryRequest, inputs_of
 from quickreturn.cases.running.job import MISSING, Job, Outcome
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
-from quickreturn.engines.registry import MAIN, engine
-from quickreturn.engines.settings import as_texts
-from quickreturn.engines.trajectory import Columns, Trajectory
+from quickreturn.engines.registry import MAIN
+from quickreturn.engines.trajectory import Trajectory
 from quickreturn.plugins.methods.trials.methods import Method
 from quickreturn.plugins.methods.trials.trial import Trial, errors_of, run_of, trial_of, warm_up
 from quickreturn.plugins.methods.trials.truth import CONFIRMING, TRUTH, Truth, confirmation_of, truth_of
@@ -46,19 +42,6 @@ class Prescribed:
 
 
 @dataclass(frozen=True)
-class BothStarts:
-    """Two runs of a package to the steady state: from the reference's periodic orbit, and from the standard start.
-
-    `difference`: RMS over the channels of the difference between the two last cycles, relative to the RMS of the cycles.
-    """
-
-    engine: str
-    orbit: Run
-    straight: Run
-    difference: float
-
-
-@dataclass(frozen=True)
 class Studies:
     """Rows of all studies."""
 
@@ -67,7 +50,6 @@ class Studies:
     confirming: Sequence[Trial]  # stored solutions of other engines that confirm it (see `confirming`)
     prescribed: Prescribed | None  # None if a converged solution could not be computed
     convergence: Sequence[Trial]  # runs of `reference` over modes and tolerances, with errors against the last run
-    both_starts: Sequence[BothStarts]  # one for each package that marches
     failures: Sequence[str]  # a sentence on each part that could not be computed
 
 
@@ -106,19 +88,14 @@ def run_studies(workshop: Workshop, engines: Sequence[str] = MAIN) -> Studies:
     failures = [f"study {outcome.job.name}: {outcome.explanation}" for outcome in outcomes if not (outcome.completed or outcome.missing)]
     accuracy = _studied(defaults, runs[: len(defaults)], true.value, failures)
     of_models = _studied(models, runs[len(defaults) :], at_speed.value, failures)
-    results = carry_out(planned.requests, workshop, "another start")
     return Studies(
         accuracy=accuracy,
         converged=Truth.of(case, true.value) if true.value else None,
         confirming=confirming(workshop.as_it_is),
         prescribed=Prescribed(errors_of(at_speed.value, true.value), of_models) if true.value and at_speed.value else None,
         convergence=convergence.value or (),
-        both_starts=_both_starts(results, failures),
         failures=failures,
     )
-
-
-Name = tuple[str, ...]
 
 
 def _wanted(engines: Sequence[str]) -> set[str]:
@@ -127,9 +104,8 @@ def _wanted(engines: Sequence[str]) -> set[str]:
 
 
 def _of(engines: set[str], jobs: Sequence[Job[Any]]) -> Work:
-    """The part of all requests, and of `jobs`, that needs no other engines."""
-    requests = {name: request for name, request in _run_requests().items() if request.engine in engines}
-    return Work(requests, [job for job in jobs if engines.issuperset(job.engines)])
+    """The part of `jobs` that needs no other engines."""
+    return Work({}, [job for job in jobs if engines.issuperset(job.engines)])
 
 
 def _jobs() -> list[Job[Any]]:
@@ -204,36 +180,3 @@ def convergence(method: Method, case: Case) -> list[Trial]:
         if not trial.completed:
             raise EngineFailure(0.0, trial.status, "try other settings")
     return trials
-
-
-#: Packages that march in one run from both starts, which shows whether they reach the same cycle.
-PACKAGES: Final = ("exudyn", "mujoco")
-
-
-def _run_requests() -> dict[Name, RunRequest]:
-    requests = dict[Name, RunRequest]()
-    case = load_case(ACCURACY_CASE)
-    for name in PACKAGES:
-        requests[name, "orbit"] = RunRequest(mechanism=case.mechanism, duration=case.duration, engine=name)
-        # both runs begin with the same settings; if the run from the orbit needed finer ones, the two are not compared
-        chosen = engine(name)
-        settings = as_texts(chosen.settings_for(chosen.default_accuracy, case.mechanism).as_dict())
-        requests[name, "straight"] = replace(requests[name, "orbit"], settings=settings, straight=True, estimated=False)
-    return requests
-
-
-def _both_starts(results: Mapping[Name, Run], failures: list[str]) -> list[BothStarts]:
-    pairs: list[BothStarts] = []
-    for name in dict.fromkeys(name for name, _ in results):
-        orbit, straight = results[name, "orbit"], results[name, "straight"]
-        if not (orbit.usable and straight.usable) or orbit.computation.settings != straight.computation.settings:
-            reason = straight.remark or orbit.remark or "the run from the orbit needed finer settings than the other run has"
-            failures.append(f"study of {name} from both starts: {reason}")
-        else:
-            pairs.append(BothStarts(name, orbit, straight, cycle_difference(straight.cycle, orbit.cycle)))
-    return pairs
-
-
-def cycle_difference(one: Columns, other: Columns) -> float:
-    """RMS over the channels of the difference between two cycles, each channel relative to its RMS in the first cycle."""
-    return relative_change(on_common_grid(channels_of(other)), on_common_grid(channels_of(one)))

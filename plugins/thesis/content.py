@@ -7,6 +7,7 @@ from typing import ClassVar
 
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.library.thesis.entries import ENTRIES
+from quickreturn.plugins.thesis.chapters.crosscheck import crosscheck
 from quickreturn.plugins.thesis.chapters.experiment import experiment
 from quickreturn.plugins.thesis.chapters.inconsistencies import published_inconsistencies
 from quickreturn.plugins.thesis.chapters.thesis import thesis
@@ -25,7 +26,9 @@ def content_of(cases: Sequence[Case]) -> type[Content] | None:
 class ThesisContent(ThesisData):
     """The data of a page on at least one run of the thesis, and the places of its chapters."""
 
-    chapters: ClassVar[Mapping[MakeChapter, float]] = MappingProxyType({thesis: 51.5, experiment: 53.1, published_inconsistencies: 53.2})
+    chapters: ClassVar[Mapping[MakeChapter, float]] = MappingProxyType(
+        {crosscheck: 0.5, thesis: 51.5, experiment: 53.1, published_inconsistencies: 53.2}
+    )
     ranks: ClassVar[Mapping[str, float]] = MappingProxyType({"agreement": 0, "run_by_run": 53.3})
 
 

@@ -24,6 +24,8 @@ from quickreturn.plugins.thesis.measured import statement_values
 from quickreturn.plugins.thesis.modes import ThesisModes, thesis_modes
 from quickreturn.plugins.thesis.runs import thesis_runs
 from quickreturn.plugins.thesis.scatter import Band
+from quickreturn.plugins.thesis.sharpness import Planted
+from quickreturn.plugins.thesis.starts import Start
 from quickreturn.plugins.thesis.sufficiency import Split, splits
 from quickreturn.reference_model.mechanism import TorqueDrive
 from quickreturn.reports.page.content import Content, Subject, of_library
@@ -61,6 +63,16 @@ class ThesisData(Content):
     def bands(self) -> Sequence[Band]:
         """Recorded bands of the thesis' runs over the scatter of unprinted quantities."""
         return self.of(bands_of)
+
+    @property
+    def planted(self) -> Sequence[Planted]:
+        """In how many runs errors of each size are found, as recorded."""
+        return self.of(planted_of)
+
+    @property
+    def starts(self) -> Sequence[Start]:
+        """Recorded settled cycles from other starts."""
+        return self.of(starts_of)
 
     @property
     def thesis_results(self) -> list[CaseResult]:
@@ -119,6 +131,16 @@ def finding_of(content: Content) -> Sequence[Row]:
 def bands_of(content: Content) -> Sequence[Band]:
     """The recorded bands over the scatter of unprinted quantities, for a report with the thesis' example run."""
     return records.bands() if content.workshop and content.has(ORIGINAL) else []
+
+
+def planted_of(content: Content) -> Sequence[Planted]:
+    """The recorded study of planted errors, for a report with the thesis' example run."""
+    return records.planted() if content.workshop and content.has(ORIGINAL) else []
+
+
+def starts_of(content: Content) -> Sequence[Start]:
+    """The recorded study of other starts, for a report with the thesis' example run."""
+    return records.starts() if content.workshop and content.has(ORIGINAL) else []
 
 
 def inference(splits: Sequence[Split], against: str) -> str:

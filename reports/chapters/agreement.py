@@ -187,7 +187,7 @@ def departures(results: Sequence[CaseResult]) -> Table:
                 **cells | {"difference": Cell(cells["difference"], mark="missed")},
                 claim=(or_nan(check.number.estimate) + check.number.settling) / check.scale,
                 other_claim=(or_nan(check.other_number.estimate) + check.other_number.settling) / check.scale,
-                measurement=check.measurement / check.scale,
+                measurement=check.unshared / check.scale,
                 share=abs(check.other_number.value) / check.scale if check.quantity in EXTREMES else None,
                 cause=cause(result, check),
             )
@@ -257,7 +257,7 @@ def every_comparison(results: Sequence[CaseResult]) -> Table:
                 case=result.case.name,
                 value=check.number.value,
                 other_value=check.other_number.value,
-                measurement=check.measurement,
+                measurement=check.unshared,
                 unit=check.unit,
                 why=why,
                 **both,

@@ -74,12 +74,13 @@ def made_up_run(case: Case, engine: str, status: str = Ending.SETTLED, seed: int
         columns[name] = bends * 1e-4 * (gauge * np.sin(angle) + vibration)
     errors = {name: 5e-4 * float(np.max(np.abs(columns[name]))) for name in CHANNELS}
     estimates = {name: dict.fromkeys(("pre", "post"), 2e-3 * float(np.max(np.abs(values)))) for name, values in columns.items()}
-    run = changed_run(run, settling_errors=errors, cycle=columns, extreme_estimates=estimates)
+    waveforms = {name: dict.fromkeys(("pre", "post"), 2e-3 * float(np.std(columns[name]))) for name in CHANNELS}
+    run = changed_run(run, settling_errors=errors, cycle=columns, extreme_estimates=estimates, waveform_estimates=waveforms)
     if not (bends and status == Ending.SETTLED):
         return run
     consensus, measures = [], []
     for half in ("pre", "post"):
-        frequency = 17.0 * factor * (1.0 + 0.004 * random.standard_normal())
+        frequency = 17.0 * factor * (1.0 + 0.0004 * random.standard_normal())
         consensus.append(Consensus(half, frequency, 0.1, 0.02))
         measures += [_measure(half, name, frequency, columns[name], random) for name in CHANNELS]
     return changed_run(run, consensus=tuple(consensus), measures=tuple(measures))
@@ -107,8 +108,8 @@ def _measure(half: str, channel: str, frequency: float, values: np.ndarray, rand
         channel=channel,
         first_mode_frequency=frequency,
         first_mode_frequency_uncertainty=0.14,
-        first_mode_frequency_estimate=0.02,
-        first_mode_amplitude=peak * (0.5 + 0.01 * random.standard_normal()) if resolvable else None,
+        first_mode_frequency_estimate=0.06,
+        first_mode_amplitude=peak * (0.5 + 0.003 * random.standard_normal()) if resolvable else None,
         first_mode_amplitude_uncertainty=0.01 * peak,
         first_mode_amplitude_estimate=0.01 * peak,
         second_mode_frequency=None,

@@ -48,15 +48,15 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return place
 
 
-@pytest.mark.parametrize("absent", ["converged", "prescribed", "both_starts", "convergence", "accuracy", "all"])
+@pytest.mark.parametrize("absent", ["converged", "prescribed", "convergence", "accuracy", "all"])
 def test_a_page_without_parts_of_the_studies_has_the_others(absent: str) -> None:
     """They belong to engines that were not asked for."""
-    empty = {"converged": None, "prescribed": None, "both_starts": (), "convergence": (), "accuracy": (), "confirming": ()}
+    empty = {"converged": None, "prescribed": None, "convergence": (), "accuracy": (), "confirming": ()}
     lacking = replace(made_up_studies(), **(empty if absent == "all" else {absent: empty[absent]}))
     content = content_of(results=[reported_result("thesis-24")], data=of_studies(studies=lacking), facts=machine_facts())
     chapters = [chapter for chapter in chapters_of(content) if chapter.id == "accuracy"]
     page = report_page(content, chapters)
-    for name in ("prescribed_speed", "both_starts", "convergence", "accuracy"):
+    for name in ("prescribed_speed", "convergence", "accuracy"):
         part = name.removesuffix("_speed")
         lacks = absent in (part, "all") or (name == "prescribed_speed" and absent == "converged")
         assert (f'id="table-{name}"' in page) != lacks, name

@@ -10,7 +10,7 @@ import numpy as np
 from quickreturn.cases.comparison.engines import REFERENCE, CaseResult
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.engines.error_parts import ESTIMATED
-from quickreturn.plugins.methods.accuracy import BothStarts, Prescribed
+from quickreturn.plugins.methods.accuracy import Prescribed
 from quickreturn.plugins.methods.data import studies_of
 from quickreturn.plugins.methods.trials.trial import Trial
 from quickreturn.plugins.methods.trials.truth import Truth, confirms
@@ -57,7 +57,6 @@ def accuracy(content: Content) -> Chapter | None:
             "of_record": record,
             "confirmation": confirmation(converged, studies.confirming),
             "convergence": convergence(studies.convergence),
-            "both_starts": both_starts(studies.both_starts),
             "prescribed": studies.prescribed and converged and prescribed(studies.prescribed, converged),
         }
     work = [float(cycles) for row in orbit_table.rows if isinstance(cycles := row["cycles_of_work"].value, (int, float))]
@@ -230,25 +229,4 @@ def orbits(results: Sequence[CaseResult], marching: Sequence[str]) -> Table:
             cycles_to_gone=math.log(GONE_AT) / math.log(modulus) if shrinking else None,
             **cycles,
         )
-    return table
-
-
-def both_starts(studied: Sequence[BothStarts]) -> Table:
-    """One row per engine that marched from both starts."""
-    starts = {"orbit": "from the periodic state", "straight": "from the standard start"}
-    columns = [Column("engine")]
-    for key, group in starts.items():
-        columns.append(Column(f"{key}_cycles", "cycles", form="d", group=group))
-        columns.append(Column(f"{key}_settling_error", "left", "%", ".2g", group=group))
-    table = Table(
-        "both_starts",
-        """Run 24, marched from the periodic state of the reference and, with the same settings, from the standard start: cycles until
-        settled, the remaining distance to the steady state by the run's own estimate, and the difference between the two last cycles (RMS
-        over the channels, relative to the cycles' RMS).""",
-        (*columns, Column("difference", unit="%", form=".2g")),
-    )
-    for study in studied:
-        runs = {"orbit": study.orbit, "straight": study.straight}
-        cycles = {f"{key}_cycles": run.approach.cycles for key, run in runs.items()}
-        table.add(study, **cycles, **{f"{key}_settling_error": run.approach.settling_error for key, run in runs.items()})
     return table

@@ -2,22 +2,12 @@
 
 from dataclasses import replace
 
-from quickreturn.cases.motion.request import Run
 from quickreturn.engines.own.reference import ReferenceSettings
-from quickreturn.plugins.methods.accuracy import BothStarts, Prescribed, Studies
+from quickreturn.plugins.methods.accuracy import Prescribed, Studies
 from quickreturn.plugins.methods.trials.trial import Trial
 from quickreturn.plugins.methods.trials.truth import Truth
-from tests.changed_run import changed_run
 
 ERRORS = dict.fromkeys(("tip_deflection", "tip_acceleration", "strain_1", "strain_2", "strain_3", "slider_force"), 0.001)
-
-
-def made_up_both_starts(difference: float = 6e-4) -> BothStarts:
-    orbit, straight = (
-        changed_run(Run(engine="exudyn", estimate_of="total", status="settled"), cycles=cycles, settling_error=left)
-        for cycles, left in ((4, 5e-4), (25, 9e-4))
-    )
-    return BothStarts("exudyn", orbit, straight, difference)
 
 
 def errors(part: float = 1.0) -> dict[str, float | None]:
@@ -41,6 +31,5 @@ def made_up_studies() -> Studies:
         confirming=[Trial(scene="thesis-24", engine="exudyn", settings={"elements": 32}, errors=errors())],
         prescribed=Prescribed(errors(300.0), [studied("moving-boundaries", 90.0), studied("moving-boundaries", 20.0)]),
         convergence=[rung(modes) for modes in (2, 4, 8)],
-        both_starts=[made_up_both_starts()],
         failures=(),
     )

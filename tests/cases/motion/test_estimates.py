@@ -87,7 +87,7 @@ def test_numbers_that_are_alike_by_accident_are_not_taken_for_right() -> None:
 
 def test_an_error_that_has_not_built_up_counts_with_what_it_grows_to() -> None:
     delivered, pair = cycle(0.1), Compared(cycle(0.1), cycle(0.4), 4.0)
-    small, large = (with_estimates(delivered.measures, [each])[0][0] for each in (pair, pair.growing(2.5)))
+    small, large = (with_estimates(delivered.measures, [each])[0][0] for each in (pair, pair.growing(lambda run, other: 2.5)))
     assert large.first_mode_frequency_estimate == pytest.approx(2.5 * 0.1)
     assert large.maximum_estimate == pytest.approx(2.5 * small.maximum_estimate)
 

@@ -23,7 +23,7 @@ from quickreturn.engines.own.reference import ReferenceEngine
 from quickreturn.engines.registry import engine
 from quickreturn.engines.settings import Settings, as_texts
 from quickreturn.engines.start import Start, standard_start
-from quickreturn.plugins.methods.accuracy import cycle_difference
+from quickreturn.plugins.thesis.starts import cycle_difference
 from quickreturn.reference_model.cycles.periodic import periodic_orbit
 from quickreturn.reference_model.cycles.poincare import PoincareMap
 from quickreturn.reference_model.mechanism import Mechanism

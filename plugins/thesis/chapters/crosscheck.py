@@ -1,0 +1,108 @@
+"""How sharp the cross-check is: errors that it finds, what engines share, and whether their cycles depend on the start."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
+
+from quickreturn.plugins.thesis.page_data import ThesisData
+from quickreturn.plugins.thesis.sharpness import DELAY, SIZES, Planted, smallest
+from quickreturn.plugins.thesis.starts import Start
+from quickreturn.reports.page.chapter import Chapter
+from quickreturn.reports.tables.table import Cell, Column, Table
+from quickreturn.reports.words import counted, listed, number, percent
+
+#: Share of the runs in which an error must be found.
+SHARE: Final = 0.9
+#: Of two engines: what both take from the same place, and the check that covers it.
+SHARED: Final = (
+    ("reference, exudyn, mujoco", "the estimator of frequencies and amplitudes", "its own test on vibrations that are known"),
+    ("reference, exudyn, mujoco", "the periodic orbit in which marches begin", "the starts below"),
+    ("exudyn, mujoco", "strains and forces recovered from elements and links", "closed forms and the balance of energy"),
+    ("reference, thesis", "the pseudo-coordinates of the method", "equations derived by computer, and both packages"),
+)
+
+
+def crosscheck(content: ThesisData) -> Chapter | None:
+    """The chapter; None if neither study was recorded."""
+    errors, others = content.planted, content.starts
+    if not errors and not others:
+        return None
+    facts: dict[str, Any] = {"planted": planted_table(errors), "shared": shared(), "starts": starts_table(others)}
+    return Chapter("crosscheck", "How sharp the cross-check is", finding(errors, others), facts)
+
+
+def finding(errors: Sequence[Planted], others: Sequence[Start]) -> str:
+    """The smallest errors that are found in nine of ten runs, and whether cycles depend on the start."""
+    names = dict.fromkeys(row.error for row in errors)
+    found = {name: size for name in names if (size := smallest(errors, name, SHARE)) is not None}
+    within = sum(each.difference <= each.claimed for each in others)
+    clauses = []
+    if found:
+        clauses.append(f"Nine of ten runs show an error of {listed([_size(name, size) for name, size in found.items()], 'or')}")
+    if others:
+        clauses.append(f"{within} of {counted(len(others), 'cycle')} from other starts are the same within the claims")
+    return "; ".join(clauses)
+
+
+def _size(name: str, size: float) -> str:
+    return f"{number(size, '.3g')} ms by {name}" if name == DELAY else f"{percent(size, '.3g')} in {name}"
+
+
+def planted_table(rows: Sequence[Planted]) -> Table:
+    """Per engine and error: the number of runs in which it is found, by its size."""
+    runs = max((row.runs for row in rows), default=0)
+    table = Table(
+        "planted",
+        f"""Errors planted in an engine's settled cycle: of {runs} runs, in how many at least one comparison with the reference finds them,
+        with either sign. Sizes are relative; those of a delay are in ms. Changes of the machine are those of the reference's cycle.""",
+        ("engine", "error", *(Column(f"size_{size:g}", f"{size:g}", form="d", group="size") for size in SIZES)),
+    )
+    cells: dict[tuple[str, str], dict[str, Any]] = {}
+    for row in rows:
+        by_kind = ", ".join(f"{getattr(row, kind)} by {kind}" for kind in ("frequency", "amplitude", "extreme", "waveform"))
+        cells.setdefault((row.engine, row.error), {})[f"size_{row.size:g}"] = Cell(row.found, note=by_kind)
+    for (engine, error), of_sizes in cells.items():
+        table.add(engine=engine, error=error, **of_sizes)
+    return table
+
+
+def shared() -> Table:
+    """What engines have in common, and which check covers it."""
+    table = Table(
+        "shared",
+        "What engines share: an error in it is no difference between them. Each has a check of its own.",
+        ("engines", "shared", Column("check", "covered by")),
+    )
+    for engines, what, check in SHARED:
+        table.add(engines=engines, shared=what, check=check)
+    return table
+
+
+def starts_table(rows: Sequence[Start]) -> Table:
+    """Per engine and start: how far the settled cycles are from those from the orbit."""
+    table = Table(
+        "starts",
+        """Settled cycles from other starts than the reference's orbit, in all runs: cycles until settled, RMS difference from the cycle
+        from the orbit, and the part of both settling claims that it takes.""",
+        (
+            "engine",
+            "start",
+            Column("settled", form="d"),
+            Column("cycles", "most cycles", form="d"),
+            Column("difference", "largest difference", "%", ".2g"),
+            Column("used", "most used of the claims", "1", ".2f"),
+            Column("beyond", form="d"),
+        ),
+    )
+    groups: dict[tuple[str, str], list[Start]] = {}
+    for row in rows:
+        groups.setdefault((row.engine, row.start), []).append(row)
+    for (engine, start), some in groups.items():
+        numbers: Mapping[str, Any] = {
+            "settled": len(some),
+            "cycles": max(each.cycles for each in some),
+            "difference": max(each.difference for each in some),
+            "used": max(each.difference / each.claimed for each in some),
+            "beyond": sum(each.difference > each.claimed for each in some),
+        }
+        table.add(engine=engine, start=start, **numbers)
+    return table
