@@ -5,7 +5,8 @@ in proportion to the size of the error. A gain scales the channels, a delay shif
 engine's own estimates, and is compared with `reference` as in a report.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -38,61 +39,70 @@ OF_THE_MACHINE: Final = {
 CHANGE: Final = 0.01
 #: Planted sizes: relative, of a delay in milliseconds.
 SIZES: Final = (0.0002, 0.0005, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5)
+#: Kinds of numbers, of which each may find an error.
+ALL: Final[frozenset[Kind]] = frozenset({"frequency", "amplitude", "extreme", "waveform"})
 GAIN: Final = "gain"
 DELAY: Final = "delay"
 
 
 @dataclass(frozen=True, kw_only=True)
 class Planted:
-    """In how many runs an error is found.
+    """The smallest size from which on an error is found in a run, with both signs; None: the largest of `SIZES` is not found.
 
     Attributes:
-        engine: in whose cycles it is planted.
+        run: number.
+        engine: in whose cycle it is planted.
         error: name, one of `OF_THE_MACHINE`, `GAIN` or `DELAY`.
-        size: relative; of a delay in ms. Both signs are planted, and the worse one counts.
-        runs: number of runs.
-        found: number of runs in which at least one comparison finds it.
-        frequency: number of runs in which a frequency finds it; likewise the others.
+        found: size that at least one comparison finds, relative; of a delay in ms.
+        frequency: size that a frequency finds; likewise the others.
     """
 
+    run: int
     engine: str
     error: str
-    size: float
-    runs: int
-    found: int
-    frequency: int
-    amplitude: int
-    extreme: int
-    waveform: int
+    found: float | None
+    frequency: float | None
+    amplitude: float | None
+    extreme: float | None
+    waveform: float | None
 
 
 Plant = Callable[[float], Mapping[str, np.ndarray]]
 
 
 def planted(workshop: Workshop, runs: Sequence[int] = tuple(RUNS)) -> list[Planted]:
-    """All errors in all sizes. KeyboardInterrupt: Ctrl-C; the runs that were computed are stored."""
-    cases = [load_case(run_name(run)) for run in runs]
-    results = cross_validate(cases, workshop, (REFERENCE, *ENGINES))
-    changed = _changed(cases, workshop)
+    """All errors in all runs in which both engines settle. KeyboardInterrupt: Ctrl-C; the runs that were computed are stored."""
+    cases = {run: load_case(run_name(run)) for run in runs}
+    results = cross_validate(list(cases.values()), workshop, (REFERENCE, *ENGINES))
+    changed = _changed(list(cases.values()), workshop)
     rows = []
-    for name in ENGINES:
-        judged = [
-            _of_run(result, name, {error: changed[result.case.name, error] for error in ("", *OF_THE_MACHINE)})
-            for result in results
-            if all(result.runs[each].usable for each in (REFERENCE, name))
-        ]
-        for error in (*OF_THE_MACHINE, GAIN, DELAY):
-            for size in SIZES:
-                found = [kinds[error, size] for kinds in judged]
-                by_kind = {kind: sum(kind in kinds for kinds in found) for kind in ("frequency", "amplitude", "extreme", "waveform")}
-                rows.append(Planted(engine=name, error=error, size=size, runs=len(found), found=sum(map(bool, found)), **by_kind))
+    for run, result in zip(cases, results, strict=True):
+        of_errors = {error: changed[result.case.name, error] for error in ("", *OF_THE_MACHINE)}
+        for name in ENGINES:
+            if all(result.runs[each].usable for each in (REFERENCE, name)):
+                rows += [
+                    Planted(run=run, engine=name, error=error, found=_from(kinds, ALL), **{kind: _from(kinds, {kind}) for kind in ALL})
+                    for error, kinds in _found(result, name, of_errors).items()
+                ]
     return rows
 
 
 def smallest(rows: Sequence[Planted], error: str, share: float = 0.9) -> float | None:
     """The smallest size from which on an error is found in this share of the runs, by every engine; None if the largest is not."""
-    sizes = [size for size in SIZES if all(row.found >= share * row.runs for row in rows if row.error == error and row.size >= size)]
-    return min(sizes, default=None)
+    groups: dict[str, list[float]] = {}
+    for row in rows:
+        if row.error == error:
+            groups.setdefault(row.engine, []).append(math.inf if row.found is None else row.found)
+    ends = [sorted(sizes)[math.ceil(share * len(sizes)) - 1] for sizes in groups.values()]
+    largest = max(ends, default=math.inf)
+    return largest if math.isfinite(largest) else None
+
+
+def _from(kinds: Mapping[float, set[Kind]], some: Set[Kind]) -> float | None:
+    """The smallest size from which on some of these kinds find an error."""
+    missed = [size for size, found in kinds.items() if not found & some]
+    beyond = [size for size in SIZES if size > max(missed, default=0.0)]
+    return min(beyond, default=None)
 
 
 def _changed(cases: Sequence[Case], workshop: Workshop) -> dict[tuple[str, str], Columns]:
@@ -107,10 +117,11 @@ def _changed(cases: Sequence[Case], workshop: Workshop) -> dict[tuple[str, str],
     return {name: run.cycle for name, run in carry_out(requests, workshop, "changed machines").items()}
 
 
-def _of_run(result: CaseResult, name: str, cycles: Mapping[str, Columns]) -> dict[tuple[str, float], set[Kind]]:
-    """Error and size -> kinds of numbers that find it with both signs."""
+def _found(result: CaseResult, name: str, cycles: Mapping[str, Columns]) -> dict[str, dict[float, set[Kind]]]:
+    """Error -> size -> kinds of numbers that find it with both signs."""
     run = result.runs[name]
-    kinds = {quantity: kind for kind, quantities in KINDS.items() for quantity in quantities}
+    kinds: dict[str, Kind] = {quantity: kind for kind, quantities in KINDS.items() for quantity in quantities}
+    kinds |= dict.fromkeys(KINDS["channel frequency"], "frequency")
     plants = {error: _of_machine(run.cycle, cycles[""], cycles[error]) for error in OF_THE_MACHINE}
     plants |= {GAIN: _gain(run.cycle), DELAY: _delay(run.cycle)}
 
@@ -118,7 +129,7 @@ def _of_run(result: CaseResult, name: str, cycles: Mapping[str, Columns]) -> dic
         judged = compare(result.case, {REFERENCE: result.runs[REFERENCE], name: _with(result.case, run, plant(size))})
         return {kinds[check.quantity] for check in judged.missed}
 
-    return {(error, size): found(plant, size) & found(plant, -size) for error, plant in plants.items() for size in SIZES}
+    return {error: {size: found(plant, size) & found(plant, -size) for size in SIZES} for error, plant in plants.items()}
 
 
 def _with(case: Case, run: Run, channels: Mapping[str, np.ndarray]) -> Run:

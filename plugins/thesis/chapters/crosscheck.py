@@ -1,10 +1,11 @@
 """How sharp the cross-check is: errors that it finds, what engines share, and whether their cycles depend on the start."""
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from quickreturn.plugins.thesis.page_data import ThesisData
-from quickreturn.plugins.thesis.sharpness import DELAY, SIZES, Planted, smallest
+from quickreturn.plugins.thesis.sharpness import ALL, DELAY, SIZES, Planted, smallest
 from quickreturn.plugins.thesis.starts import Start
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.tables.table import Cell, Column, Table
@@ -49,19 +50,22 @@ def _size(name: str, size: float) -> str:
 
 def planted_table(rows: Sequence[Planted]) -> Table:
     """Per engine and error: the number of runs in which it is found, by its size."""
-    runs = max((row.runs for row in rows), default=0)
+    groups: dict[tuple[str, str], list[Planted]] = {}
+    for row in rows:
+        groups.setdefault((row.engine, row.error), []).append(row)
     table = Table(
         "planted",
-        f"""Errors planted in an engine's settled cycle: of {runs} runs, in how many at least one comparison with the reference finds them,
-        with either sign. Sizes are relative; those of a delay are in ms. Changes of the machine are those of the reference's cycle.""",
-        ("engine", "error", *(Column(f"size_{size:g}", f"{size:g}", form="d", group="size") for size in SIZES)),
+        """Errors planted in an engine's settled cycle: in how many runs at least one comparison with the reference finds them, with either
+        sign. Sizes are relative; those of a delay are in ms. A change of the machine moves the cycle as it moves the reference's.""",
+        ("engine", "error", Column("runs", form="d"), *(Column(f"size_{size:g}", f"{size:g}", form="d", group="size") for size in SIZES)),
     )
-    cells: dict[tuple[str, str], dict[str, Any]] = {}
-    for row in rows:
-        by_kind = ", ".join(f"{getattr(row, kind)} by {kind}" for kind in ("frequency", "amplitude", "extreme", "waveform"))
-        cells.setdefault((row.engine, row.error), {})[f"size_{row.size:g}"] = Cell(row.found, note=by_kind)
-    for (engine, error), of_sizes in cells.items():
-        table.add(engine=engine, error=error, **of_sizes)
+    for (engine, error), some in groups.items():
+        cells = {}
+        for size in SIZES:
+            counts = {kind: sum((getattr(row, kind) or math.inf) <= size for row in some) for kind in ("found", *sorted(ALL))}
+            note = ", ".join(f"{counts[kind]} by {kind}" for kind in sorted(ALL))
+            cells[f"size_{size:g}"] = Cell(counts["found"], note=note)
+        table.add(engine=engine, error=error, runs=len(some), **cells)
     return table
 
 

@@ -38,6 +38,8 @@ from quickreturn.plugins.thesis import records as of_the_thesis
 from quickreturn.plugins.thesis.finding import study as finding
 from quickreturn.plugins.thesis.finding.effects import PUBLISHED, effects
 from quickreturn.plugins.thesis.scatter import CLAIMED_RUNS, bands
+from quickreturn.plugins.thesis.sharpness import SIZES, planted
+from quickreturn.plugins.thesis.starts import starts
 from quickreturn.record import confirm
 from quickreturn.reports import long_studies
 from quickreturn.reports.long_studies import studies, table
@@ -185,6 +187,25 @@ def unprinted(draw: Draw, workshop: Workshop) -> None:
         ), run
 
 
+def planted_errors(draw: Draw, workshop: Workshop) -> None:
+    """The sizes from which on errors in a run are found; another machine's rounding may move one by a step."""
+    known = {(row.run, row.engine, row.error): row.found for row in of_the_thesis.planted()}
+    for run in draw(sorted({run for run, *_ in known})):
+        for row in planted(workshop, [run]):
+            recorded = known[run, row.engine, row.error]
+            near = [SIZES.index(size) if size else len(SIZES) for size in (row.found, recorded)]
+            assert abs(near[0] - near[1]) <= 1, row
+
+
+def other_starts(draw: Draw, workshop: Workshop) -> None:
+    """The cycles of a run from other starts lie within the claims where the recorded ones do."""
+    known = {(row.run, row.engine, row.start): row for row in of_the_thesis.starts()}
+    for run in draw(sorted({run for run, *_ in known})):
+        for row in starts(workshop, [run]):
+            recorded = known[run, row.engine, row.start]
+            assert (row.difference <= row.claimed) == (recorded.difference <= recorded.claimed), row
+
+
 AGAIN: Final[dict[str, Callable[[Draw, Workshop], None]]] = {
     "benchmark": benchmark,
     "hard scenes": hard_scenes,
@@ -194,6 +215,8 @@ AGAIN: Final[dict[str, Callable[[Draw, Workshop], None]]] = {
     "as built": as_built,
     "finding": finding_of_the_thesis,
     "unprinted": unprinted,
+    "planted": planted_errors,
+    "starts": other_starts,
 }
 
 

@@ -1,0 +1,75 @@
+"""Planted errors and other starts: what the chapter makes of them, and what a planted error does to a cycle."""
+
+import numpy as np
+import pytest
+
+from quickreturn.cases.library.thesis.runs import RUNS
+from quickreturn.cases.motion.time_scale import CHANNELS
+from quickreturn.cases.running.in_process import ThisProcess
+from quickreturn.cases.running.store import Store
+from quickreturn.cases.running.workshop import Workshop
+from quickreturn.plugins.thesis.chapters.crosscheck import finding, planted_table, starts_table
+from quickreturn.plugins.thesis.sharpness import ENGINES, GAIN, SIZES, Planted, _delay, _from, _gain, _of_machine, planted, smallest
+from quickreturn.plugins.thesis.starts import Start, starts
+
+ANGLE = np.linspace(0.0, 2.0 * np.pi, 401)
+CYCLE = {"time": 5.0 + ANGLE / 20.0, "crank_angle": np.pi + ANGLE, **{name: np.sin(k * ANGLE) for k, name in enumerate(CHANNELS, 1)}}
+
+
+def planted_rows(size: float | None = 0.002, missed: int = 2) -> list[Planted]:
+    """A gain that is found from this size on in all runs but some, in which none is."""
+    sizes = [size] * (20 - missed) + [None] * missed
+    return [
+        Planted(run=run, engine=engine, error=GAIN, found=found, frequency=None, amplitude=found, extreme=None, waveform=found)
+        for engine in ENGINES
+        for run, found in enumerate(sizes, 1)
+    ]
+
+
+def start_rows(difference: float = 3e-4) -> list[Start]:
+    return [Start(run=run, engine="mujoco", start="standard", cycles=20, difference=difference * run, claimed=1e-3) for run in (1, 2)]
+
+
+def test_an_error_is_found_from_the_size_on_beyond_which_no_size_is_missed() -> None:
+    kinds = {size: {"waveform"} if size == 0.0005 or size > 0.001 else {"extreme"} for size in SIZES}
+    assert _from(kinds, {"waveform"}) == 0.002
+    assert _from(kinds, {"waveform", "extreme"}) == SIZES[0]
+    assert _from(kinds, {"frequency"}) is None
+
+
+@pytest.mark.parametrize(("missed", "expected"), [(0, 0.002), (2, 0.002), (3, None)])
+def test_the_smallest_error_is_that_of_nine_of_ten_runs_by_every_engine(missed: int, expected: float | None) -> None:
+    assert smallest(planted_rows(missed=missed), GAIN) == expected
+
+
+def test_the_chapter_counts_runs_and_cycles() -> None:
+    table = planted_table(planted_rows())
+    assert {row["size_0.002"].value for row in table.rows} == {18}
+    assert {row["size_0.001"].value for row in table.rows} == {0}
+    (row,) = starts_table(start_rows()).rows
+    assert (row["settled"].value, row["beyond"].value, row["cycles"].value) == (2, 0, 20)
+    assert row["used"].value == pytest.approx(0.6)
+    assert "0.2 %" in finding(planted_rows(), start_rows()).replace("\u00a0", " ")
+    assert "1 of 2 cycles" in finding([], start_rows(6e-4)).replace("\u00a0", " ")
+
+
+def test_plants_are_what_they_are_called() -> None:
+    """A gain, a delay of a cycle that repeats, and a change of the machine in proportion to its size."""
+    for k, name in enumerate(CHANNELS, 1):
+        assert _gain(CYCLE)(0.01)[name] == pytest.approx(1.01 * CYCLE[name])
+        late = np.sin(k * (ANGLE - 20.0 * 2e-3))
+        assert _delay(CYCLE)(2.0)[name] == pytest.approx(late, abs=1e-6)
+        changed = {**CYCLE, **{each: 1.02 * CYCLE[each] for each in CHANNELS}}
+        assert _of_machine(CYCLE, CYCLE, changed)(0.005)[name] == pytest.approx(1.01 * CYCLE[name], abs=1e-12)
+
+
+@pytest.mark.verify
+def test_half_a_per_cent_of_stiffness_shows_in_a_run_and_no_start_matters(tmp_path: object) -> None:
+    run = min(RUNS, key=lambda number: RUNS[number].steady_speed)
+    workshop = Workshop(Store(tmp_path), ThisProcess())  # type: ignore[arg-type]
+    found = {(row.engine, row.error): row.found for row in planted(workshop, [run])}
+    assert all(found[engine, "bending stiffness"] is not None for engine in ENGINES)
+    assert max(found[engine, "bending stiffness"] or 1.0 for engine in ENGINES) <= 0.005
+    again = starts(workshop, [run])
+    assert len(again) == 4
+    assert all(each.difference <= each.claimed for each in again), again
