@@ -24,7 +24,7 @@ from quickreturn.plugins.thesis.measured import statement_values
 from quickreturn.plugins.thesis.modes import ThesisModes, thesis_modes
 from quickreturn.plugins.thesis.runs import thesis_runs
 from quickreturn.plugins.thesis.scatter import Band
-from quickreturn.plugins.thesis.sharpness import Planted
+from quickreturn.plugins.thesis.sharpness import Planted, found_words
 from quickreturn.plugins.thesis.starts import Start
 from quickreturn.plugins.thesis.sufficiency import Split, splits
 from quickreturn.reference_model.mechanism import TorqueDrive
@@ -96,7 +96,14 @@ class ThesisData(Content):
             return Subject()
         inferred = inference(self.splits, tightened_words(self.finding))
         fits = AXES_FIT if fits_worse(axis_comparisons(self.thesis_results)) else ""
-        return Subject("thin aluminium", 0.0, ", and the arm whips", " ".join(filter(None, (fits, inferred))), on_the_model=True)
+        found = found_words(self.planted)
+        return Subject(
+            arm="thin aluminium",
+            consequence=", and the arm whips",
+            inference=" ".join(filter(None, (fits, inferred))),
+            sharpness=f"{found}." if found else "",
+            on_the_model=True,
+        )
 
     @property
     def assumed(self) -> Mapping[str, Any]:

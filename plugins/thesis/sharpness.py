@@ -24,6 +24,7 @@ from quickreturn.cases.motion.time_scale import CHANNELS, time_scale
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.trajectory import Columns
 from quickreturn.reference_model.scene_values import value_at
+from quickreturn.reports.words import listed, number, percent
 
 #: Engines in whose cycles errors are planted.
 ENGINES: Final = ("exudyn", "mujoco")
@@ -96,6 +97,14 @@ def smallest(rows: Sequence[Planted], error: str, share: float = 0.9) -> float |
     ends = [sorted(sizes)[math.ceil(share * len(sizes)) - 1] for sizes in groups.values()]
     largest = max(ends, default=math.inf)
     return largest if math.isfinite(largest) else None
+
+
+def found_words(rows: Sequence[Planted]) -> str:
+    """The smallest errors that are found in nine of ten runs, as a sentence without its full stop; "" if there is none."""
+    names = dict.fromkeys(row.error for row in rows)
+    found = {name: size for name in names if (size := smallest(rows, name)) is not None}
+    sizes = [f"{number(size, '.3g')} ms in time" if name == DELAY else f"{percent(size, '.3g')} in {name}" for name, size in found.items()]
+    return f"An error of {listed(sizes, 'or')} of one engine would show in nine of ten runs" if sizes else ""
 
 
 def _from(kinds: Mapping[float, set[Kind]], some: Set[Kind]) -> float | None:

@@ -41,6 +41,7 @@ class Subject:
         turning: share of the machines whose arm turns fully.
         consequence: what the swing does to it (a clause); "" if nothing is to be said.
         inference: a sentence on what the results suggest; "" if there is none.
+        sharpness: how small an error of an engine would show, a sentence; "" if that is not known.
         on_the_model: whether the thesis' model is among the figures, in place of the largest difference of a peak.
     """
 
@@ -48,6 +49,7 @@ class Subject:
     turning: float = 0.0
     consequence: str = ""
     inference: str = ""
+    sharpness: str = ""
     on_the_model: bool = False
 
 

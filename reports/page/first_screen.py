@@ -101,6 +101,8 @@ def sentences(answer: Answer, subject: Subject) -> list[str]:
     if subject.turning == 1.0:
         moves = f"turns a {subject.arm} arm fully, one half of the turn slowly and the other quickly"
     texts = [f"A motor turns a crank; its slider {moves}{subject.consequence}.", _compared(answer)]
+    if alike > 1 and subject.sharpness:
+        texts.append(subject.sharpness)
     if departing and alike > 1:
         others = "them" if alike > 2 else "these"
         texts.append(f"{listed(departing)} {'departs' if len(departing) == 1 else 'depart'} from {others} by more than claimed.")

@@ -5,14 +5,12 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from quickreturn.plugins.thesis.page_data import ThesisData
-from quickreturn.plugins.thesis.sharpness import ALL, DELAY, SIZES, Planted, smallest
+from quickreturn.plugins.thesis.sharpness import ALL, SIZES, Planted, found_words
 from quickreturn.plugins.thesis.starts import Start
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.tables.table import Cell, Column, Table
-from quickreturn.reports.words import counted, listed, number, percent
+from quickreturn.reports.words import counted
 
-#: Share of the runs in which an error must be found.
-SHARE: Final = 0.9
 #: Of two engines: what both take from the same place, and the check that covers it.
 SHARED: Final = (
     ("reference, exudyn, mujoco", "the estimator of frequencies and amplitudes", "its own test on vibrations that are known"),
@@ -33,19 +31,9 @@ def crosscheck(content: ThesisData) -> Chapter | None:
 
 def finding(errors: Sequence[Planted], others: Sequence[Start]) -> str:
     """The smallest errors that are found in nine of ten runs, and whether cycles depend on the start."""
-    names = dict.fromkeys(row.error for row in errors)
-    found = {name: size for name in names if (size := smallest(errors, name, SHARE)) is not None}
     within = sum(each.difference <= each.claimed for each in others)
-    clauses = []
-    if found:
-        clauses.append(f"Nine of ten runs show an error of {listed([_size(name, size) for name, size in found.items()], 'or')}")
-    if others:
-        clauses.append(f"{within} of {counted(len(others), 'cycle')} from other starts are the same within the claims")
-    return "; ".join(clauses)
-
-
-def _size(name: str, size: float) -> str:
-    return f"{number(size, '.3g')} ms by {name}" if name == DELAY else f"{percent(size, '.3g')} in {name}"
+    starts = f"{within} of {counted(len(others), 'cycle')} from other starts are the same within the claims" if others else ""
+    return "; ".join(filter(None, (found_words(errors), starts)))
 
 
 def planted_table(rows: Sequence[Planted]) -> Table:

@@ -49,7 +49,7 @@ def test_the_chapter_counts_runs_and_cycles() -> None:
     (row,) = starts_table(start_rows()).rows
     assert (row["settled"].value, row["beyond"].value, row["cycles"].value) == (2, 0, 20)
     assert row["used"].value == pytest.approx(0.6)
-    assert "0.2 %" in finding(planted_rows(), start_rows()).replace("\u00a0", " ")
+    assert "0.2 % in gain" in finding(planted_rows(), start_rows()).replace("\u00a0", " ")
     assert "1 of 2 cycles" in finding([], start_rows(6e-4)).replace("\u00a0", " ")
 
 
