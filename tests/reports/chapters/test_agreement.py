@@ -13,10 +13,10 @@ from tests.reports.reported_results import agreeing, departing, reported_result
 
 KNOWN = {
     "frequency": [
-        Sharpness("a", "reference", "frequency", 4, 0.01, 0.5, 0.012, 0.02),
-        Sharpness("b", "reference", "frequency", 4, 0.03, 0.2, 0.008, 0.01),
+        Sharpness("a", "reference", "frequency", 4, 0.01, 0.5, 0.012, 0.02, 0.04),
+        Sharpness("b", "reference", "frequency", 4, 0.03, 0.2, 0.008, 0.01, 0.02),
     ],
-    "amplitude": [Sharpness("a", "reference", "amplitude", 4, 0.05, 0.1, 0.2, 0.3)],
+    "amplitude": [Sharpness("a", "reference", "amplitude", 4, 0.05, 0.1, 0.2, 0.3, 0.4)],
 }
 
 

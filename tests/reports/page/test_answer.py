@@ -5,6 +5,8 @@ import dataclasses
 import pytest
 
 from quickreturn.cases.comparison.engines import compare
+from quickreturn.cases.motion.cycle import HALVES
+from quickreturn.cases.motion.time_scale import CHANNELS
 from quickreturn.reports.page.answer import answer_of
 from quickreturn.reports.words import size
 from tests.reports import pages
@@ -48,7 +50,8 @@ def test_claims_as_wide_as_the_numbers_make_no_engine_alike_and_no_set_up_the_sa
             for each in run.measured.measures
         ]
         measures = tuple(dataclasses.replace(each, **changes) for each, changes in zip(run.measured.measures, wide, strict=True))
-        result = with_run(result, engine, measures=measures)
+        waves = {name: dict.fromkeys(HALVES, run.peak(name)) for name in CHANNELS if run.usable}
+        result = with_run(result, engine, measures=measures, extreme_estimates=waves, waveform_estimates=waves)
     result = compare(result.case, result.runs)
     assert result.agreement == {"agree": 0, "disagree": 0, "says_nothing": len(result.checks)}
     found = answer_of(content_of(results=[result]))
