@@ -210,6 +210,10 @@ class CaseResult:
         departing = [f"{pair[0]} and {pair[1]} disagree by more than they claim" for pair in self.departures]
         return "; ".join([*departing, *(f"{run.engine} did not deliver: {run.status}" for run in self.failures)])
 
+    @cached_property
+    def _pairs(self) -> dict[tuple[str, str], "Pair"]:
+        return {}
+
     @property
     def failures(self) -> tuple[Run, ...]:
         """Runs that failed, did not settle or did not reach the accuracy asked. A refusal does not count."""
@@ -254,7 +258,7 @@ class CaseResult:
             return []
         halves, channels = HALVES if half is None else (half,), CHANNELS if channel is None else (channel,)
         places = product(halves, (None,) if kind == "frequency" else channels, KINDS[kind])
-        pair = Pair(run, opposite)
+        pair = self._pairs.setdefault((name, other), Pair(run, opposite))
         differences = (pair.difference(self.case.name, quantity, where, column) for where, column, quantity in places)
         return [difference for difference in differences if difference is not None]
 

@@ -44,7 +44,7 @@ Array = NDArray[np.float64]
 ASIDE: Final = 0.25
 #: Part of the largest change of a frequency or an amplitude by the difference of two signals that counts as its error at least: half of the
 #: compared runs of the thesis' machines show more, half less.
-AT_LEAST: Final = {"first_mode_frequency": 0.05, "first_mode_amplitude": 0.25}
+AT_LEAST: Final = {"first_mode_frequency": 0.075, "first_mode_amplitude": 0.4}
 #: Key of the time of a turn among the estimates of changes.
 TIME: Final = "time"
 #: Key of the estimate of a number of `OF_TURN`.

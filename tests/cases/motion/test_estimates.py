@@ -81,8 +81,8 @@ def test_numbers_that_are_alike_by_accident_are_not_taken_for_right() -> None:
     measures = CycleMeasures(tuple(replace(each, **responds) for each in delivered.measures.measures), ())
     apart = 0.4 / np.sqrt(3.0) / 0.5  # RMS of a straight line, over the signal's variation
     for measure in with_estimates(measures, [Compared(delivered, cycle(tilt=0.4), 3.0)])[0]:
-        assert measure.first_mode_frequency_estimate == pytest.approx(0.05 * 0.3 * 17.0 * apart / 2.0, rel=0.01)
-        assert measure.first_mode_amplitude_estimate == pytest.approx(0.25 * 2.0 * 2.0 * apart / 2.0, rel=0.01)
+        assert measure.first_mode_frequency_estimate == pytest.approx(0.075 * 0.3 * 17.0 * apart / 2.0, rel=0.01)
+        assert measure.first_mode_amplitude_estimate == pytest.approx(0.4 * 2.0 * 2.0 * apart / 2.0, rel=0.01)
 
 
 def test_an_error_that_has_not_built_up_counts_with_what_it_grows_to() -> None:
