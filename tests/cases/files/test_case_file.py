@@ -1,14 +1,13 @@
 """What stands in a case file arrives where it belongs."""
 
 import math
-from pathlib import Path
 
 import pytest
 
 from quickreturn.cases.files.case import parse_case
-from quickreturn.cases.files.case_file import load_case, with_times
+from quickreturn.cases.files.case_file import with_times
 from quickreturn.cases.files.errors import CaseError
-from quickreturn.reference_model.mechanism import PrescribedSpeed, TorqueDrive
+from quickreturn.reference_model.mechanism import TorqueDrive
 from tests.cases.files.scene_texts import IN_SI, SCENE, changed, numbers
 
 
@@ -50,18 +49,6 @@ def test_what_may_be_left_out_has_the_documented_default() -> None:
     assert not scene.has_gravity
     assert (scene.slider.mass, scene.slider.inertia, scene.slider.joint_stiffness, scene.slider.joint_damping) == (0.0, 0.0, math.inf, 0.0)
     assert scene.crank.drive.initial_speed == pytest.approx(10.0 / 0.60176535, rel=1e-15)  # torque / damping; a few roundings
-
-
-def test_the_crank_may_be_driven_by_a_prescribed_speed_alone() -> None:
-    text = changed('torque = "10 lbf*in"\n', 'prescribed_speed = "-120 rpm"\n').replace('damping = "0.60176535 lbf*in*s/rad"\n', "")
-    case = parse_case(text.replace('initial_speed = "16.617773 rad/s"\n', ""), "scene.toml")
-    assert case.mechanism.crank.drive == PrescribedSpeed(speed=-4.0 * math.pi)
-
-
-def test_a_file_may_have_a_byte_order_mark_and_windows_lines(tmp_path: Path) -> None:
-    path = tmp_path / "windows.toml"
-    path.write_bytes(b"\xef\xbb\xbf" + SCENE.replace("\n", "\r\n").encode())
-    assert load_case(str(path)).mechanism == parse_case(SCENE, "scene.toml").mechanism
 
 
 def test_simulation_times_can_be_replaced() -> None:

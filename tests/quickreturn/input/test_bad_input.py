@@ -68,7 +68,6 @@ def folder(tmp_path: Path) -> Path:
     (tmp_path / "utf-16.toml").write_text(written(scene()), encoding="utf-16")
     (tmp_path / "picture.toml").write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(range(256)))
     (tmp_path / "unclosed.toml").write_text('[crank]\nlength = "4 in\nmass = "1 kg"\n')
-    (tmp_path / "twice.toml").write_text('[crank]\nlength = "4 in"\nlength = "5 in"\n')
     (tmp_path / "table.csv").write_text("time,tip_x\n0,0\n")
     os.mkfifo(tmp_path / "pipe.toml")
     return tmp_path
