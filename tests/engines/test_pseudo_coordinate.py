@@ -9,12 +9,9 @@ from scipy.interpolate import CubicSpline
 
 from quickreturn.engines.base import Engine, EngineFailure, Refusal
 from quickreturn.engines.own.thesis import ThesisEngine, ThesisSettings
-from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start, standard_start
-from quickreturn.engines.trajectory import join
 from quickreturn.plugins.methods.rivals import fixed_shapes
 from quickreturn.plugins.methods.rivals.fixed_shapes import FixedShapesSettings
-from quickreturn.plugins.methods.rivals.staying_shapes import LADDER
 from quickreturn.reference_model.mechanism import PrescribedSpeed
 from quickreturn.reference_model.model import BeamModel, ObservationFailed
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
@@ -41,19 +38,6 @@ def test_frequencies_with_everything_that_vibrates() -> None:
     np.testing.assert_allclose(found, frozen_crank_modes(mechanism, 1.0, 4).frequencies, rtol=2e-7)
 
 
-@pytest.mark.parametrize(("engine", "settings"), [(THESIS, ThesisSettings(tolerance=1e-9)), (FIXED, FixedShapesSettings(shapes=8))])
-def test_pieces_make_the_same_motion_as_one_run(engine: Engine, settings: Settings) -> None:
-    start = standard_start(run_24())
-    whole = engine.prepare(run_24(), start, settings).advance(0.5, 1e-3)
-    simulation = engine.prepare(run_24(), start, settings)
-    joined = join([simulation.advance(duration, 1e-3) for duration in (0.1, 0.003, 0.397)])
-    assert simulation.time == pytest.approx(0.5, abs=1e-12)
-    np.testing.assert_allclose(joined["time"], whole["time"], atol=1e-12)
-    for name in ("tip_deflection", "crank_angle", "slider_force"):
-        # other steps, same tolerance: its error shows
-        np.testing.assert_allclose(joined[name], whole[name], atol=2e-5 * np.max(np.abs(whole[name])), err_msg=name)
-
-
 @pytest.mark.parametrize("engine", [THESIS, FIXED])
 def test_a_slider_that_leaves_the_follower_is_a_failure_at_its_time(engine: Engine) -> None:
     mechanism = violent()
@@ -67,15 +51,6 @@ def test_a_slider_that_leaves_the_follower_is_a_failure_at_its_time(engine: Engi
     s, length = partial["slider_position"], mechanism.follower.length
     assert np.all(s <= length + 1e-5)  # the recovered place differs from the model's by what recovery corrects
     assert 2.0 * s[-1] - s[-2] > length - 1e-4  # one more row at this speed and it is gone
-
-
-def test_leaving_is_timed_by_the_root_of_the_place() -> None:
-    mechanism, times = violent(), []
-    for step in (1e-3, 1e-4):
-        with pytest.raises(EngineFailure) as caught:
-            FIXED.prepare(mechanism, standard_start(mechanism), FixedShapesSettings(shapes=8)).advance(0.5, step)
-        times.append(caught.value.time)
-    assert times[0] == pytest.approx(times[1], abs=1e-7)  # does not depend on the output grid
 
 
 def test_a_start_bent_too_far_is_refused() -> None:
@@ -163,12 +138,6 @@ def test_only_what_a_scene_needs_is_built() -> None:
     assert description.degrees_of_freedom == 2
     assert "tip body" in description.bodies
     assert "crank pivot (speed prescribed)" in description.joints
-
-
-def test_ladder_climbs() -> None:
-    for accuracy in (0.05, 1e-2, 1e-3, 3e-4):
-        assert LADDER.claim(FIXED.settings_for(accuracy, run_24()).shapes) <= accuracy
-    assert FIXED.settings_for(1e-5, run_24()).shapes == LADDER.rungs[-1][0].shapes
 
 
 def test_a_thesis_simulation_has_no_start_for_other_engines() -> None:
