@@ -60,12 +60,7 @@ LONGEST = (
 
 
 class Slice:
-    """A slice of all groups.
-
-    Attributes:
-        number: k, a whole number of any size; the remainder of its division by `count` says which groups belong to it.
-        count: n.
-    """
+    """A slice of all groups: those that belong to the remainder of `number` (k, of any size) by `count` (n)."""
 
     def __init__(self, text: str) -> None:
         number, _, count = text.partition("/")
