@@ -93,16 +93,6 @@ def test_numba_its_settings_and_the_environment_stay_as_they_are(tmp_path: Path)
     assert printed(code, tmp_path).splitlines() == ["[]"]
 
 
-@pytest.mark.verify
-def test_numbas_own_test_of_caching_passes_after_a_simulation(tmp_path: Path) -> None:
-    code = f"{USES}\nimport unittest\nunittest.main('numba.tests.test_caching', 'TestCache', argv=['caching', '-q'])"
-    environment = {**os.environ, "PYTHONPATH": str(ROOT), "QUICKRETURN_STORE": str(tmp_path / "store")}
-    environment.pop("NUMBA_CACHE_DIR", None)
-    done = subprocess.run([sys.executable, "-P", "-c", code], env=environment, capture_output=True, text=True, check=False, cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert "OK" in done.stderr
-
-
 #: Compiles and calls a function of this package's without one of numba's insides.
 WITHOUT = """
 import numba, warnings

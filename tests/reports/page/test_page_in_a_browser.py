@@ -217,13 +217,6 @@ def test_an_animation_of_its_own_runs_over_time(opened: Open, tmp_path: Path) ->
     assert page.locator("details").count() == 0
 
 
-def test_parts_of_a_chapter_have_addresses(opened: Open) -> None:
-    page = opened("#at=0&chapter=methods&section=methods-thesis-17")
-    assert page.locator("#methods-thesis-17").get_attribute("open") is not None
-    assert page.locator("#methods-thesis-17 .chart").count() == 2
-    page.wait_for_url("**section=methods-thesis-17**")
-
-
 #: Width of the mechanism over that of its box; `seen` holds the places of lines, of which the lowest are those of the scale.
 FILLED = """() => {
     const canvas = document.getElementById("stage");
