@@ -24,7 +24,5 @@ def assert_agree(ours: Result, theirs: Result) -> None:
     """Every column differs by no more than both estimates."""
     for column, estimate in theirs.error_estimates.items():
         own = ours.error_estimates[column]
-        assert estimate is not None
-        assert own is not None
         difference = rms(theirs.trajectory[column] - ours.trajectory[column])
         assert difference <= (estimate + own) * scale(column, ours.trajectory.columns), column

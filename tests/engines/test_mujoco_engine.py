@@ -56,7 +56,6 @@ def test_model_has_the_mass_and_inertia_of_the_scene() -> None:
     mechanism = run_24(tip={"center_of_mass": 0.5 * INCH})
     mass, _ = chain.follower_matrices(chain.build(mechanism, 12, 0.0), mechanism, 12)
     beam, tip = mechanism.follower, mechanism.tip
-    assert tip is not None
     about_pivot = mechanism.base.inertia + beam.mass_per_length * beam.length**3 / 3.0
     about_pivot += tip.inertia + tip.mass * (beam.length + tip.center_of_mass) ** 2
     assert mass[0, 0] == pytest.approx(about_pivot, rel=1e-9)  # MuJoCo pads nothing here that matters
@@ -81,7 +80,6 @@ def test_slider_leaving_the_follower_is_a_failure_with_its_time() -> None:
     with pytest.raises(EngineFailure, match="slider left the follower") as failure:
         ENGINE.prepare(soft, standard_start(soft), ChainSettings()).advance(2.0, 1e-3)
     partial = failure.value.partial
-    assert partial is not None
     assert partial["time"][-1] == failure.value.time
     assert 0.0 < failure.value.time < 1.0
     assert partial["slider_position"].max() <= soft.follower.length
@@ -118,7 +116,6 @@ def test_an_unstable_step_is_a_failure_and_nothing_is_printed_or_written(
     mechanism = run_24()
     with pytest.raises(EngineFailure, match=r"engine\.step") as failure:
         ENGINE.prepare(mechanism, standard_start(mechanism), ChainSettings(links=16, armature=0.0, step=2.0)).advance(1.0, 1e-3)
-    assert failure.value.partial is not None
     assert np.all(np.isfinite(failure.value.partial["tip_deflection"]))
     assert list(tmp_path.iterdir()) == []
     assert capfd.readouterr() == ("", "")
@@ -169,7 +166,6 @@ def test_chains_are_compared_with_finer_ones_that_the_slider_shakes_in_another_w
     if links >= FEWEST_WITH_ORDER:
         assert pair.before is None
         return
-    assert pair.before is not None
     assert pair.before.run == pair.other
     finest = pair.before.other.as_dict()["links"]
     assert finest >= 2.0 * links

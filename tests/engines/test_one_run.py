@@ -59,7 +59,6 @@ def test_wrong_trajectories_are_failures(behaviour: str, words: str) -> None:
 def test_values_that_are_no_numbers_end_the_kept_part() -> None:
     with pytest.raises(EngineFailure) as caught:
         run({"behaviour": "nan"})
-    assert caught.value.partial is not None
     assert len(caught.value.partial) == 5
     assert caught.value.time == pytest.approx(4 * STEP)
     assert np.isfinite(caught.value.partial["strain_2"]).all()

@@ -207,6 +207,4 @@ def test_claims_hold_on_random_machines_that_turn() -> None:
             size, ours = rms(reference.trajectory[name]), reference.error_estimates[name]
             for other in others:
                 theirs, apart = other.error_estimates[name], rms(other.trajectory[name] - reference.trajectory[name])
-                assert ours is not None
-                assert theirs is not None
                 assert ours + theirs > 1.0 or apart <= (ours + theirs) * size + 1e-12, (scene.name, name, other.settings)

@@ -76,8 +76,6 @@ def check_reversal(method: Method, scene: Scene) -> None:
         crank = replace(crank, drive=PrescribedSpeed(speed=-crank.drive.speed))
     turned = scene.with_part(crank=crank)
     back = method.engine.prepare(turned.mechanism, turned.start, method.settings)
-    assert isinstance(there, OwnSimulation)
-    assert isinstance(back, OwnSimulation)
     back.state = there.state.copy()
     back.state[rates(back)] *= -1.0
     backward = back.advance(scene.duration, scene.output_step)

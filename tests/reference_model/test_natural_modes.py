@@ -46,7 +46,6 @@ def test_no_frequency_is_missed() -> None:
 def test_modes_are_orthonormal_with_respect_to_all_masses_and_rest_at_the_slider() -> None:
     mechanism = with_tip(0.5 * INCH)
     tip = mechanism.tip
-    assert tip is not None
     modes = supported_modes(mechanism, 0.4, 4)
     gram = np.zeros((4, 4))
     for start, end in ((0.0, 0.4), (0.4, modes.length)):
@@ -95,7 +94,6 @@ def test_curvature_is_that_of_the_exact_shape() -> None:
     """At P the moment equals what turns the base block, at the tip what accelerates the body, for each mode."""
     mechanism = with_tip(0.5 * INCH)
     tip, EI = mechanism.tip, mechanism.follower.bending_stiffness
-    assert tip is not None
     modes = frozen_crank_modes(mechanism, 1.0, 3)
     omega2 = (2 * np.pi * modes.frequencies) ** 2
     ends = np.array([0.0, modes.length])

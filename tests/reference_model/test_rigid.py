@@ -50,7 +50,6 @@ def test_closed_form_and_its_derivatives(q1: float) -> None:
 def energies(mechanism: Mechanism, q1: float) -> tuple[float, float]:
     """Inertia reduced to the crank (twice the kinetic energy at unit speed) and gravity's energy, from places of mass points alone."""
     beam, tip, slider, crank, h = mechanism.follower, mechanism.tip, mechanism.slider, mechanism.crank, 1e-3
-    assert tip is not None
     x, weights = np.polynomial.legendre.leggauss(3)
     x, weights = 0.5 * beam.length * (x + 1), 0.5 * beam.length * beam.mass_per_length * weights
     masses = np.r_[weights, tip.mass, crank.mass, slider.mass]

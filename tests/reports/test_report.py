@@ -17,7 +17,6 @@ from quickreturn.plugins.conform.records import verdicts
 from quickreturn.plugins.methods.tests.made_up_benchmark import made_up_benchmark
 from quickreturn.plugins.methods.tests.made_up_studies import made_up_studies
 from quickreturn.plugins.methods.tests.pages import of_studies
-from quickreturn.plugins.thesis.content import ThesisContent
 from quickreturn.reports import report as report_module
 from quickreturn.reports.machine import machine_facts
 from quickreturn.reports.page.chapters import chapters_of
@@ -126,7 +125,6 @@ def test_a_report_on_ones_own_case_has_its_title_and_no_word_on_the_thesis() -> 
     assert names.index("agreement") > names.index("each")  # the machine comes before what engines think of each other
     both = content_of(results=[reported_result("thesis-24"), reported_result("example")])
     assert "strength" not in [chapter.id for chapter in chapters_of(both)]
-    assert isinstance(both, ThesisContent)
     assert [result.case.name for result in both.thesis_results] == ["thesis-24"]
 
 

@@ -30,7 +30,6 @@ def test_every_key_arrives_where_it_belongs() -> None:
     assert (scene.base.inertia, scene.base.damping) == (1.6947724354142505e-5, 2.259696580552334e-6)
     assert (scene.follower.length, scene.follower.thickness, scene.follower.width) == (0.635, 0.003175, 0.0381)
     assert (scene.follower.damping, scene.follower.strain_gauges) == (0.1378951458633672, (0.15875, 0.3175, 0.47625))
-    assert scene.tip is not None
     assert (scene.tip.inertia, scene.tip.center_of_mass) == (2.21450264894128732e-6, 0.0127)
     assert (scene.tip.force, scene.tip.force_from) == ((0.44482216152605, -0.08896443230521), 3.490658503988659)
     assert (scene.tip.force_to, scene.tip.force_ramp) == (5.759586531581288, 0.20943951023931956)

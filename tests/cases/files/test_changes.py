@@ -21,7 +21,7 @@ from quickreturn.engines.own.reference import ReferenceEngine
 from quickreturn.plugins.studies.resonance_curve.range import range_of
 from quickreturn.plugins.studies.resonance_curve.search import checked_scenes, job
 from quickreturn.plugins.studies.sweep.grid import OF_START, Grid, axis, scenes_of
-from quickreturn.plugins.studies.sweep.rows import Impossible, MeasureRequest
+from quickreturn.plugins.studies.sweep.rows import MeasureRequest
 from quickreturn.plugins.studies.uncertainty.calibration import Search, frees_of
 from quickreturn.plugins.studies.uncertainty.parameters import Parameter, changes
 from quickreturn.plugins.studies.uncertainty.propagation import planned
@@ -182,7 +182,6 @@ def test_an_effect_of_the_thesis_is_the_case_file_with_its_values() -> None:
 def test_a_mistake_in_a_change_shows_the_value_as_it_was_given() -> None:
     case = parse_case(FILES["material"], "scene.toml")
     (swept,) = scenes_of(case, [Grid(case, (axis("crank.length = 20.0 in"),)).changes((0,))])
-    assert isinstance(swept, Impossible)
     assert swept.sentence.startswith('crank.length: "20.0 in" cannot be: the slider leaves the follower')
     for changed, told in (
         ({"crank.length": 0.508}, 'scene: crank.length: "0.508 m" cannot be: the slider leaves the follower'),

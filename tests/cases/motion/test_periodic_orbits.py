@@ -101,7 +101,6 @@ def test_a_run_of_the_reference_is_one_cycle_of_its_orbit(found: Run) -> None:
     cycle, orbit = found.cycle, found.approach.periodic_orbit
     assert found.status == Ending.SETTLED
     assert found.approach.settled
-    assert orbit is not None
     assert orbit.stable
     assert orbit.iterations <= found.approach.cycles < 20
     assert np.hypot(*orbit.multipliers[0]) == pytest.approx(0.773, abs=8e-3)
@@ -127,7 +126,6 @@ class Searching(ReferenceEngine):
         if self.stable is None:
             raise NoSteadyState("the search went astray")
         steady = super().steady_state(mechanism, start, settings, near)
-        assert steady is not None
         return dataclasses.replace(steady, stable=self.stable, multipliers=(-1.25 + 0.0j, *steady.multipliers))
 
 
@@ -147,7 +145,6 @@ def test_with_an_unstable_orbit_it_does_not_march(monkeypatch: pytest.MonkeyPatc
     run = outcome_with(monkeypatch, False)
     assert (run.status, run.approach.settled, run.approach.cycles) == (Ending.NOT_SETTLED, False, 0)
     assert "1.250-fold" in run.remark
-    assert run.approach.periodic_orbit is not None
     assert not run.approach.periodic_orbit.stable
 
 
@@ -193,7 +190,6 @@ def test_the_reference_marched_from_its_own_orbit_stays_there(found: Run) -> Non
     mechanism, reference = load_case("thesis-24").mechanism, ReferenceEngine()
     settings = reference.settings_for(1e-3, mechanism).with_texts(SETTINGS)
     steady = reference.steady_state(mechanism, standard_start(mechanism), settings)
-    assert steady is not None
     trajectory = reference.prepare(mechanism, steady.simulation.present_start(), settings).advance(0.8, output_step(mechanism))
     cycle = whole_cycles(trajectory)[-1]
     columns = columns_of(cycle)

@@ -187,7 +187,6 @@ def test_noise_that_does_not_die_away_is_told_with_the_cycle_since_which(seed: i
     outlook = settling.outlook
     assert outlook.ratio is None
     assert outlook.cycles_needed is None
-    assert outlook.stalled_since is not None
     assert 6 <= outlook.stalled_since <= 14
     assert f"since cycle {outlook.stalled_since}" in outlook.sentence()
     assert "try finer settings" in outlook.sentence()

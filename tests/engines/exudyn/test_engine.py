@@ -106,7 +106,6 @@ def test_divergence_is_a_failure_with_its_time_and_silent(capfd):
     drive = dataclasses.replace(run_24().crank.drive, initial_speed=120.0)
     with pytest.raises(EngineFailure, match=r"smaller engine\.step|left the follower") as failure:
         simulate(run_24(crank={"drive": drive}), 2.0, elements=8, step=2e-3, output_step=2e-3)
-    assert failure.value.partial is not None
     assert np.all(np.isfinite(failure.value.partial["tip_x"]))
     assert capfd.readouterr() == ("", "")
 

@@ -269,7 +269,6 @@ def test_answer_to_a_mistake_on_the_command_line(call: Call, typed: str, words: 
 @pytest.mark.parametrize("name", commands())
 def test_no_option_of_which_one_value_counts_takes_the_last_of_two(name: str) -> None:
     command = quickreturn.get_command(click.Context(quickreturn), name)
-    assert command is not None
     for option in command.params:
         assert not isinstance(option, click.Option) or option.is_flag or option.multiple, option.name
 

@@ -119,7 +119,6 @@ def test_a_cell_of_the_map_opens_its_run(opened: Open) -> None:
 def test_the_curve_tells_values_zooms_and_is_taken_away(opened: Open) -> None:
     page = opened("#at=90&run=thesis-24")
     box = page.locator("#curve").bounding_box()
-    assert box is not None
     before = page.inner_text("#values")
     page.mouse.move(box["x"] + 0.7 * box["width"], box["y"] + 50)
     assert page.inner_text("#values") != before

@@ -55,8 +55,6 @@ def test_unstable_parts_are_dashed_and_the_machine_is_marked(opened: Open) -> No
     line = found.locator("line[stroke-dasharray='2 3']").bounding_box()
     for mark in marks.all():
         box = mark.bounding_box()
-        assert box is not None
-        assert line is not None
         assert box["x"] + box["width"] / 2.0 == pytest.approx(line["x"] + line["width"] / 2.0, abs=0.6)
 
 
