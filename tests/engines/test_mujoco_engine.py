@@ -16,7 +16,7 @@ from quickreturn.engines.mujoco import chain
 from quickreturn.engines.mujoco.description import hinge_count
 from quickreturn.engines.mujoco.engine import FEWEST_WITH_ORDER, MujocoEngine
 from quickreturn.engines.mujoco.hook import damp_beam
-from quickreturn.engines.mujoco.settings import LADDER, ChainSettings
+from quickreturn.engines.mujoco.settings import ChainSettings
 from quickreturn.engines.mujoco.simulation import _context
 from quickreturn.engines.registry import engine
 from quickreturn.engines.start import standard_start
@@ -139,19 +139,6 @@ def test_simulations_do_not_disturb_each_other() -> None:
         pieces.append(first.advance(0.01, 1e-3))
         second.advance(0.01, 1e-3)
     assert pieces[1]["crank_angle"][-1] == pytest.approx(alone["crank_angle"][-1], rel=1e-14)
-
-
-def test_settings_follow_the_ladder() -> None:
-    mechanism = run_24()
-    chosen = [ENGINE.settings_for(accuracy, mechanism) for accuracy in (0.05, 7e-3, 1e-3, 1e-4)]
-    assert [s.as_dict()["links"] for s in chosen] == [6, 13, 23, 53]
-    rung, climbed = chosen[1], []
-    while (finer := ENGINE.finer(rung, {}, 1e-3)) is not None:
-        climbed.append(finer.as_dict()["links"])
-        rung = finer
-    assert climbed == [20, 34, 53, 90]  # half as many more, as far as there are rungs
-    assert [ENGINE.finer(chosen[2], {"space": excess}, 1e-3).as_dict()["links"] for excess in (1.1, 2.0, 100.0)] == [28, 34, 53]
-    assert ENGINE.finer(LADDER.rungs[-1][0], {"space": 2.0}, 1e-3) is None
 
 
 @given(st.integers(1, 256))

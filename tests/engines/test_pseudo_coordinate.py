@@ -12,11 +12,9 @@ from quickreturn.engines.own.thesis import ThesisEngine, ThesisSettings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.plugins.methods.rivals import fixed_shapes
 from quickreturn.plugins.methods.rivals.fixed_shapes import FixedShapesSettings
-from quickreturn.reference_model.mechanism import PrescribedSpeed
 from quickreturn.reference_model.model import BeamModel, ObservationFailed
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from quickreturn.reference_model.thesis.model import ThesisModel
-from quickreturn.reference_model.tip import Tip
 from tests.engines.scenes import run_24, violent
 
 THESIS, FIXED = ThesisEngine(), fixed_shapes.ENGINE
@@ -123,18 +121,6 @@ def test_rotary_inertia_on_elements_is_refused() -> None:
     with pytest.raises(Refusal, match=r"slider\.inertia"):
         FIXED.prepare(mechanism, standard_start(mechanism), FixedShapesSettings(shapes=8, family="hermite"))
     THESIS.prepare(mechanism, standard_start(mechanism), ThesisSettings())
-
-
-def test_only_what_a_scene_needs_is_built() -> None:
-    bare = run_24(tip=None, base={"inertia": 0.0})
-    assert THESIS.describe(run_24(), ThesisSettings()).degrees_of_freedom == 3
-    assert THESIS.describe(bare, ThesisSettings()).bodies == ("crank", "follower beam (2 shapes)")
-    assert FIXED.describe(run_24(follower={"bending_stiffness": math.inf}), FixedShapesSettings()).degrees_of_freedom == 1
-    held = run_24(crank={"drive": PrescribedSpeed(speed=10.0)}, tip=Tip(mass=1.0, inertia=0.0))
-    description = THESIS.describe(held, ThesisSettings())
-    assert description.degrees_of_freedom == 2
-    assert "tip body" in description.bodies
-    assert "crank pivot (speed prescribed)" in description.joints
 
 
 def test_a_thesis_simulation_has_no_start_for_other_engines() -> None:

@@ -66,31 +66,6 @@ density = "7.85 g/cm^3"
 """
 
 
-def of_material(text: str) -> str:
-    text = text.replace('mass_per_length = "4.75987e-5 lbf*s^2/in^2"\n', "")
-    return text.replace('bending_stiffness = "2128.22 lbf*in^2"\n', STEEL)
-
-
-def test_a_follower_may_be_given_by_material_and_section() -> None:
-    follower = parse_case(of_material(SCENE), "scene.toml").scene.follower
-    thickness, width = 0.125 * 0.0254, 1.5 * 0.0254
-    assert follower.bending_stiffness == pytest.approx(210e9 * width * thickness**3 / 12.0, rel=1e-14)
-    assert follower.mass_per_length == pytest.approx(7850.0 * width * thickness, rel=1e-14)
-    assert follower.mass == pytest.approx(7850.0 * width * thickness * 0.635, rel=1e-14)
-    mixed = changed('mass_per_length = "4.75987e-5 lbf*s^2/in^2"\n', 'density = "7850 kg/m^3"\n')
-    assert (
-        parse_case(mixed, "scene.toml").scene.follower.bending_stiffness == parse_case(SCENE, "scene.toml").scene.follower.bending_stiffness
-    )
-
-
-def test_a_section_may_be_changed_and_stiffness_and_mass_follow() -> None:
-    plain, thick = (parse_case(of_material(SCENE), "scene.toml", {"follower.thickness": text}).scene.follower for text in ("3 mm", "6 mm"))
-    assert thick.bending_stiffness == pytest.approx(8.0 * plain.bending_stiffness, rel=1e-14)
-    assert thick.mass_per_length == pytest.approx(2.0 * plain.mass_per_length, rel=1e-14)
-    stiffness = parse_case(of_material(SCENE), "scene.toml", {"follower.bending_stiffness": "3 N*m^2"}).scene.follower.bending_stiffness
-    assert stiffness == 3.0  # what is set drops what it replaces
-
-
 @pytest.mark.parametrize(("first", "other"), [("elastic_modulus", "bending_stiffness"), ("density", "mass_per_length")])
 def test_material_and_what_follows_from_it_exclude_each_other(first: str, other: str) -> None:
     both = SCENE.replace("[follower]\n", f"[follower]\n{STEEL}")
