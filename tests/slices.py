@@ -31,7 +31,6 @@ _FIXTURE = re.compile(r"^@pytest\.fixture\(.*scope=\"module\"", re.MULTILINE)
 IN_A_BROWSER = "_in_a_browser.py"
 UNREACHED = "not begun: the slice's time is over"
 
-
 #: The files of quick tests that take longest come first, so that no process is left alone with one at the end.
 LONGEST = (
     "test_documents",

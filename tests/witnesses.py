@@ -54,12 +54,7 @@ RESULTS: Final[dict[type[Any], str]] = {
     Result: "simulation",
 }
 #: Numbers that a result repeats from its request.
-GIVEN: Final = {
-    ("quantile", "probability"),
-    ("fitted parameter", "start"),
-    ("simulation", "accuracy"),
-    ("resonance curve", "settings"),
-}
+GIVEN: Final = {("quantile", "probability"), ("fitted parameter", "start"), ("simulation", "accuracy"), ("resonance curve", "settings")}
 
 #: The independent computation, its test, and lines of outputs of a kind, each or several with the largest difference. `*` stands for
 #: anything, COLUMN for all columns but the time; of two witnesses of an output the later one counts.

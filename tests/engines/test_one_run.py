@@ -44,11 +44,7 @@ def test_scene_that_cannot_go_on_fails_with_what_was_computed() -> None:
 
 @pytest.mark.parametrize(
     ("behaviour", "words"),
-    [
-        ("nan", "strain_2 is no longer a finite number"),
-        ("short", "500 rows"),
-        ("raises", r"at fake_engine.py, line \d+: a bug"),
-    ],
+    [("nan", "strain_2 is no longer a finite number"), ("short", "500 rows"), ("raises", r"at fake_engine.py, line \d+: a bug")],
 )
 def test_wrong_trajectories_are_failures(behaviour: str, words: str) -> None:
     scene = run_24()

@@ -94,8 +94,7 @@ def test_a_table_of_a_constant_is_that_force_to_the_bit(name: str, follows: bool
 
 
 @pytest.mark.parametrize(
-    ("name", "given"),
-    [(name, given) for name in (*MAIN, *RIVALS) for given in FORCES if name in HAVING or "force" in FORCES[given]],
+    ("name", "given"), [(name, given) for name in (*MAIN, *RIVALS) for given in FORCES if name in HAVING or "force" in FORCES[given]]
 )
 def test_on_a_rigid_follower_the_drive_gives_what_the_tool_takes(name: str, given: str) -> None:
     """By moments about P and a virtual turn of the crank: the tip moves by L dq2 across the follower, and s dq2 = LA cos(q1 - q2) dq1."""

@@ -27,11 +27,7 @@ from tests.strategies import Scene, scenes
 
 #: How closely an engine does the same thing again in other numbers. The integrators of the explicit models may take other steps for the
 #: sake of a rounding; Exudyn leaves Newton's iteration at a residual of 1e-6; MuJoCo's steps are fixed, roundings alone are left.
-REPEATED = {
-    **dict.fromkeys(("reference", "thesis", "fixed-shapes"), STEPS_ADD_UP * TOLERANCE),
-    "exudyn": 1e-6,
-    "mujoco": 1e-9,
-}
+REPEATED = {**dict.fromkeys(("reference", "thesis", "fixed-shapes"), STEPS_ADD_UP * TOLERANCE), "exudyn": 1e-6, "mujoco": 1e-9}
 #: What the image in the line through O and P does to each column: keeps it or turns its sign. The follower's angle is counted from
 #: the direction of P to O.
 MIRRORED = {

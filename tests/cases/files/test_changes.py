@@ -46,7 +46,6 @@ KEYS = [path for path, about in PATHS.items() if about.count is None and about.m
 OTHER = {dimension.si_unit: other for dimension in DIMENSIONS.values() for other in dimension.examples if other != dimension.si_unit}
 VALUES = {"crank.prescribed_speed": 11.0, "follower.elastic_modulus": 6.9e10, "follower.density": 2500.0}
 
-
 #: Keys of lists, with values; the SI value of the second text is that of the first one.
 LISTS = {
     "mechanism.gravity": (["0.254 m/s^2", "-9.8044 m/s^2"], ["10 in/s^2", "-386 in/s^2"]),
@@ -188,10 +187,7 @@ def test_a_mistake_in_a_change_shows_the_value_as_it_was_given() -> None:
         ({"tip.mass": -1e-3}, 'scene: tip.mass: "-0.001 kg" is negative; a mass of zero or more is accepted'),
         ({"tip.mass": 1e99}, 'scene: tip.mass: "1e+99 kg" is out of range; magnitudes from 1e-60 to 1e+60'),
         ({"tip.mass": math.inf}, 'scene: tip.mass: "inf" is out of range; magnitudes from 1e-60 to 1e+60'),
-        (
-            {"follower.bending_stiffness": 2.0, "follower.elastic_modulus": 1e9},
-            'elastic_modulus: "1000000000 Pa" conflicts',
-        ),
+        ({"follower.bending_stiffness": 2.0, "follower.elastic_modulus": 1e9}, 'elastic_modulus: "1000000000 Pa" conflicts'),
         ({"crank.prescribed_speed": 0.1, "crank.damping": 1.0}, 'prescribed_speed: "0.1 rad/s" conflicts with crank.damping; give either'),
     ):
         with pytest.raises(CaseError, match=re.escape(told)):

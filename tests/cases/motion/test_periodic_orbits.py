@@ -49,8 +49,7 @@ def differences(one: dict[str, Array], other: dict[str, Array]) -> dict[str, flo
 
 
 @pytest.mark.parametrize(
-    "name",
-    [name if name in QUICK else pytest.param(name, marks=pytest.mark.verify) for name in (*case_names()[:24], "hard-speed-x2")],
+    "name", [name if name in QUICK else pytest.param(name, marks=pytest.mark.verify) for name in (*case_names()[:24], "hard-speed-x2")]
 )
 def test_same_orbit_as_marching(name: str) -> None:
     """After 60 cycles or more. At twice the speed Newton's method fails from the state after two cycles, and succeeds after more."""

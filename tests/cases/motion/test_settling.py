@@ -11,7 +11,6 @@ from quickreturn.cases.motion.settling import Cycle, Settling, cut_cycles
 
 ANGLES = np.linspace(0.0, 2.0 * np.pi, 301)
 
-
 PERIOD = 0.6  # s
 
 

@@ -161,7 +161,6 @@ NO_CASES = ("", " ", "-", ".", "/", "thesis-25", "thesis", "24", "missing.toml",
             "utf-16.toml", "picture.toml", "pipe.toml", "/dev/null", "/dev/zero", "/dev/full", "/proc/self/mem", "a\0b.toml", "\udcff.toml",
             "\x1b[31m.toml", "two\nlines.toml", "a" * 300 + ".toml", "a" * 100_000, "../" * 3000 + "x.toml")  # fmt: skip
 
-
 TAKE_CASES = ("show -", MODES, SIMULATE, "run - --engine fake", "report -", "benchmark - --engine fake", "plot - --output out.png",
               "animate - --engine fake --output out.webp")  # fmt: skip
 

@@ -14,7 +14,6 @@ from quickreturn.plugins.studies.uncertainty.calibration import frees_of
 SOLVED = {"time [s]": [0.0, 0.1], "crank_angle [rad]": [0.0, 1.0]}
 WRONG = {"tip.mass": "uniform 0 g .. 1 g"}
 
-
 #: An argument, and the call with a value of it.
 ARGUMENTS: list[tuple[str, Callable[[Any], Any]]] = [
     ("measures", lambda given: qr.sweep("thesis-24", {"tip.mass": "0 g; 1 g"}, measures=given)),

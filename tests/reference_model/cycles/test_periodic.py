@@ -7,12 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.cycles.periodic import (
-    NoPeriodicOrbit,
-    PeriodicOrbit,
-    largest_multiplier,
-    periodic_orbit,
-)
+from quickreturn.reference_model.cycles.periodic import NoPeriodicOrbit, PeriodicOrbit, largest_multiplier, periodic_orbit
 from quickreturn.reference_model.entries import KERNEL
 from quickreturn.reference_model.mechanism import PrescribedSpeed, TorqueDrive
 from quickreturn.reference_model.model import BeamModel

@@ -52,7 +52,6 @@ def state():
     return found
 """
 
-
 DIFFERENCES = """
 print([f"{name}.{each}" for name in before for each in {**before[name], **after[name]} if before[name].get(each) != after[name].get(each)])
 """

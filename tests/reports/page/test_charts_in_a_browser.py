@@ -154,11 +154,7 @@ def test_a_chart_changes_over_to_all_that_one_waits_for(opened: Open) -> None:
     page = opened("#at=0&chapter=methods&section=methods-thesis-24")
     choices = page.locator("#methods .choices").first
     first, second = choices.locator(".drawn").all()
-    for name, shown, other in (
-        ("solve time", first, second),
-        ("waiting time", second, first),
-        ("solve time", first, second),
-    ):
+    for name, shown, other in (("solve time", first, second), ("waiting time", second, first), ("solve time", first, second)):
         choices.get_by_role("radio", name=name).check()
         shown.locator(".chart").wait_for()
         assert shown.is_visible()

@@ -14,11 +14,7 @@ from quickreturn.plugins.thesis.sufficiency import splits
 from quickreturn.plugins.thesis.tests.made_up_finding import made_up_finding
 from quickreturn.reports.page.answer import Answer, Cubic
 from quickreturn.reports.page.content import Subject
-from quickreturn.reports.page.first_screen import (
-    Figure,
-    machine_screen,
-    sentences,
-)
+from quickreturn.reports.page.first_screen import Figure, machine_screen, sentences
 from quickreturn.reports.results.engine_differences import Spread, spread
 from quickreturn.reports.results.loads import CaseLoads
 from tests.reports.made_up_loads import made_up_loads
