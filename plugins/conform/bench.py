@@ -3,7 +3,7 @@
 import functools
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final, Literal
 
 import numpy as np
@@ -21,7 +21,7 @@ from quickreturn.engines.scene import check_scene
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import REQUIRED, Trajectory
-from quickreturn.plugins.conform.scenes import BASE, DURATION, FOLLOWERS, OUTPUT_STEP, PRESCRIBED, SPUN_UP, UNTIL_BENT
+from quickreturn.plugins.conform.scenes import ALONE, BASE, CLAMPED, DURATION, OUTPUT_STEP, PRESCRIBED, SPUN_UP, UNTIL_BENT
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 
@@ -30,18 +30,6 @@ Status = Literal["passed", "failed", "not judged"]
 
 #: Largest number of names in a sentence.
 _NAMED: Final = 4
-#: Beginning of the name of a check -> what to try where it fails; the first that fits.
-_ADVICE: Final = {
-    "pieces": "keep state and time in the simulation and begin each piece with the row that the one before ended with",
-    "the same with": "compute a row from the state at its instant: end a step of the solver there, or interpolate",
-    "first row": "deliver the state of the start as the first row, before any step; see engines.start_state.reconstruct",
-    "estimates": "state the factor that runs show: error of `other` over that of `run`, on the safe side",
-    "frequencies": "give them in Hz, ascending: of the straight follower at rest, undamped, without gravity, the crank held",
-    "failures": "raise engines.base.EngineFailure(time, cause, advice, partial)",
-    "the same": "keep nothing between runs: no class attribute, module variable, random number or clock",
-    "nothing kept": "keep nothing between runs: no class attribute, module variable, random number or clock",
-    "": "compare with reference in the scene of this check (quickreturn.plugins.conform.scenes); what is not modelled, refuse in `check`",
-}
 
 
 @dataclass(frozen=True)
@@ -51,7 +39,6 @@ class Check:
     check: str  # name of the check
     status: Status  # how it ended
     cause: str = ""  # what is wrong, or why it was not judged; for a passed check a remark, or ""
-    advice: str = ""  # what to try; "" if nothing is wrong
 
 
 @dataclass(frozen=True, repr=False)
@@ -64,7 +51,7 @@ class Conformance(Printable):
 
     def _parts(self) -> Iterator[Cell]:
         yield f"{self.engine}: {self.verdict}"
-        yield Rows([(each.check, each.status, each.cause, each.advice) for each in self.checks], ("check", "status", "cause", "advice"))
+        yield Rows([(each.check, each.status, each.cause) for each in self.checks], ("check", "status", "cause"))
 
     @property
     def failed(self) -> tuple[Check, ...]:
@@ -102,25 +89,19 @@ def check_by(name: str, look: Callable[..., str | None], *arguments: Any) -> Che
 
 def ended(name: str, error: Exception) -> Check:
     """The check that an exception ended."""
-    if isinstance(error, Unjudged):
-        return Check(name, error.status, str(error))
-    cause = f"the engine raises {type(error).__name__}{raised_at(error)}: {first_line(error)}"
     if isinstance(error, Fault):
-        cause = str(error)
-    elif isinstance(error, EngineFailure):
-        cause = f"a run breaks down: {error.cause}; {error.advice}"
-    return Check(name, "failed", cause, next(advice for start, advice in _ADVICE.items() if name.startswith(start)))
+        return Check(name, error.status, str(error))
+    if isinstance(error, Refusal):
+        return Check(name, "not judged", f"the engine models no scene of a trial: {error}")
+    if isinstance(error, EngineFailure):
+        return Check(name, "failed", f"a run breaks down: {error.cause}; {error.advice}")
+    return Check(name, "failed", f"the engine raises {type(error).__name__}{raised_at(error)}: {first_line(error)}")
 
 
 def some(names: Sequence[str]) -> str:
     """Names for a sentence: the first ones, and the number of the others."""
     more = len(names) - _NAMED
     return ", ".join(names) if more <= 1 else f"{', '.join(names[:_NAMED])} and {more} more"
-
-
-def share_of(share: float) -> str:
-    """A share in words: in per cent, or from 2 on as a multiple."""
-    return f"{share:.3g} times its size" if share >= 2.0 else f"{100.0 * share:.3g} %"
 
 
 #: Columns that are not compared with `reference`: the grid, residuals of a model's own numerics, and the acceleration of a base that rings
@@ -183,6 +164,24 @@ def bent_start(mechanism: Mechanism) -> Start:
     return start
 
 
+#: Motions with a mechanism and of a follower alone: of each kind an engine is tried in the first that it models.
+MECHANISMS: Final = (Motion(BASE), Motion(PRESCRIBED))
+FOLLOWERS: Final = tuple(Motion(scene, SPUN_UP) for scene in (ALONE, replace(ALONE, tip=None), CLAMPED))
+
+
+def first_modelled(engine: AnyEngine, motions: Iterable[Motion]) -> Motion:
+    """The first motion whose scene the engine models. Raises Refusal if there is none."""
+    refusals = list[Refusal]()
+    for motion in motions:
+        try:
+            check_scene(engine, motion.scene)
+        except Refusal as refusal:
+            refusals.append(refusal)
+        else:
+            return motion
+    raise refusals[0]
+
+
 class Bench:
     """The tested engine on the scenes of its trial.
 
@@ -195,16 +194,7 @@ class Bench:
     def __init__(self, engine: AnyEngine) -> None:
         """Raises Refusal if the engine models no scene."""
         self.engine, self._runs = engine, dict[tuple[Motion, Settings], Trajectory]()
-        refusals = list[Refusal]()
-        for self.mild in (Motion(BASE), Motion(PRESCRIBED), *(Motion(scene, SPUN_UP) for scene in FOLLOWERS)):
-            try:
-                check_scene(engine, self.mild.scene)
-            except Refusal as refusal:
-                refusals.append(refusal)
-            else:
-                break
-        else:
-            raise refusals[0]
+        self.mild = first_modelled(engine, MECHANISMS + FOLLOWERS)
         self.scene: Any = self.mild.scene
 
     def settings(self, scene: Scene) -> Settings:

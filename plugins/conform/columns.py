@@ -22,7 +22,6 @@ from quickreturn.plugins.conform.bench import (
     Motion,
     Unjudged,
     compared_columns,
-    share_of,
     solution,
     some,
 )
@@ -40,9 +39,8 @@ _LATEST: Final = 3
 #: tried, because on a ladder of small steps one rung changes little.
 _FALLS: Final = 0.7
 _SHARPENED: Final = 3
-#: Largest number of columns that may be wrong for reasons of their own, each named: if more are, the motion is wrong.
+#: Largest number of columns that may be wrong for reasons of their own: if more are, the motion is wrong.
 _OF_ITS_OWN: Final = 2
-_ONE_BY_ONE: Final = 8
 #: Quantities that may explain a wrong motion; logarithm of the factor that shows their effects; number of those whose factor is sought.
 _SCALED: Final = (
     "follower.bending_stiffness", "follower.mass_per_length", "follower.length", "mechanism.pivot_distance", "crank.length", "crank.mass",
@@ -65,11 +63,6 @@ class Examined:
     motion: bool = False  # whether the motion itself is wrong, not only the rows of some columns
     model: str = ""  # the quantity of the scene that explains it
 
-    @property
-    def together(self) -> bool:
-        """Whether the wrong columns are reported as one mistake."""
-        return bool(self.model) or len(self.wrong) > _ONE_BY_ONE
-
     def raise_fault(self) -> None:
         """Raise a Fault if a column is wrong."""
         worst = sorted(self.wrong, key=lambda name: -self.errors[name])
@@ -77,13 +70,12 @@ class Examined:
             raise Fault(self.model or some([f"{name} {self.wrong[name]}" for name in worst]))
 
 
-def look_at(bench: Bench, motion: Motion, skipped: frozenset[str] = frozenset()) -> str:
+def look_at(bench: Bench, motion: Motion, skipped: frozenset[str] = frozenset()) -> None:
     """Check the columns of a motion but for those that are `skipped`."""
     found = examined(bench, motion, skipped)
     found.raise_fault()
     if not found.errors:
         raise Unjudged("every column is wrong already")
-    return f"{len(found.errors)} columns, the worst off by {share_of(max(found.errors.values()))}"
 
 
 def relation(name: str, found: Array, right: Mapping[str, Array]) -> tuple[str, float]:
@@ -98,8 +90,7 @@ def relation(name: str, found: Array, right: Mapping[str, Array]) -> tuple[str, 
     def left(lag: float) -> float:
         return rms((found - spline(np.clip(rows - lag, 0.0, rows[-1])))[_LATEST:-_LATEST])
 
-    nearest = min(np.linspace(-_LATEST, _LATEST, 8 * _LATEST + 1), key=left)
-    lag = float(minimize_scalar(left, bounds=(nearest - 0.25, nearest + 0.25), method="bounded").x)
+    lag = float(minimize_scalar(left, bounds=(-_LATEST, _LATEST), method="bounded").x)
     others = [other for other in REQUIRED if other not in ("time", name) and other in right]
     tried = {
         f"is {factor:.4g} times the right one": rms(found - factor * own),
@@ -124,7 +115,7 @@ def examined(bench: Bench, motion: Motion, skipped: frozenset[str] = frozenset()
         words, left = relation(name, run[name], right)
         explained = left <= UNEXPLAINED * errors[name] * scale(name, right)
         if beyond is not None or errors[name] > _GROSS or (explained and "plus" in words):
-            wrong[name] = words if explained else f"is off by {share_of(errors[name])}"
+            wrong[name] = words if explained else f"is off by {100.0 * errors[name]:.3g} % of its size"
             puzzling += not explained
     if puzzling <= _OF_ITS_OWN:
         return Examined(errors, wrong)

@@ -11,15 +11,26 @@ import numpy as np
 from quickreturn.engines.base import EngineFailure, Refusal
 from quickreturn.engines.relative import rms
 from quickreturn.engines.scene import check_scene
-from quickreturn.plugins.conform.bench import DECISIVE, Array, Bench, Check, Fault, Motion, Unjudged, check_by, compared_columns, solution
+from quickreturn.plugins.conform.bench import (
+    DECISIVE,
+    FOLLOWERS,
+    Array,
+    Bench,
+    Check,
+    Fault,
+    Motion,
+    Unjudged,
+    check_by,
+    compared_columns,
+    first_modelled,
+    solution,
+)
 from quickreturn.plugins.conform.columns import UNEXPLAINED, beyond_claims, examined, look_at
 from quickreturn.plugins.conform.scenes import (
-    ALONE,
     CHANGES,
     CHANGES_ALONE,
     FEATURES,
     FEATURES_ALONE,
-    FOLLOWERS,
     LONG_CRANK,
     SPUN_UP,
     TURNED,
@@ -50,7 +61,7 @@ def quantities(bench: Bench) -> Iterator[Check]:
 def alone(bench: Bench) -> Iterator[Check]:
     """The same for the follower alone, and its columns; a single check that says so if the engine does not model it."""
     try:
-        motion = Motion(follower_alone(bench), SPUN_UP)
+        motion = first_modelled(bench.engine, FOLLOWERS[:2])
     except Refusal as refusal:
         yield Check("the follower alone", "passed", f"refused: {refusal}")
         return
@@ -70,34 +81,23 @@ def _each(kind: str, bench: Bench, motion: Motion, changes: Iterable[Change], fe
     yield check_by(f"{kind}with everything on", together, bench, motion.scene, features, frozenset(found.wrong))
 
 
-def follower_alone(bench: Bench) -> Scene:
-    """The follower on a turning base, without the body at its end where the engine models none. Refusal: it models neither."""
-    try:
-        check_scene(bench.engine, ALONE)
-    except Refusal:
-        check_scene(bench.engine, FOLLOWERS[1])
-        return FOLLOWERS[1]
-    return ALONE
-
-
 def followed(bench: Bench, scene: Scene, change: Change, skipped: frozenset[str]) -> str:
     """Check that the engine follows a change of a scene, in the columns that are not `skipped`."""
+    if not bench.scene.crank_is_free and any(path in OF_TORQUE for path in change.given):
+        raise Refusal("a driven crank is not modelled")
     context = changed(scene, change.context)
     motions = Motion(context, change.duration), Motion(change.of(context), change.duration)
-    if motions[0] == motions[1] or (not bench.scene.crank_is_free and any(path in OF_TORQUE for path in change.given)):
-        raise Refusal("the mild scene has it already, or a crank that turns as prescribed")
+    if motions[0] == motions[1]:
+        raise Refusal("the scene has it already")
     try:
         given = [bench.run(motion).columns for motion in reversed(motions)][::-1]
     except EngineFailure as failure:
         kind = Fault if failure.cause.startswith("the engine r") else Unjudged  # "raised" or "returned": words for what no adapter reports
         raise kind(f"with another value the run breaks down: {failure.cause}") from failure
     right = [solution(motion) for motion in motions]
-    compared = compared_columns(bench.run(motions[1]), right=right[1])
-    names = [name for name in compared if name not in skipped]
-    whole, due, shown = (
-        _effect([n for n in DECISIVE if n in among], right, of) for among, of in ((compared, right), (names, right), (names, given))
-    )
-    if np.linalg.norm(due) <= _NONE * np.linalg.norm(whole):
+    names = [name for name in compared_columns(bench.run(motions[1]), right=right[1]) if name not in skipped]
+    due, shown = (_effect([name for name in DECISIVE if name in names], right, of) for of in (right, given))
+    if not due.any():
         raise Unjudged("it shows in columns alone that are wrong already")
     share = float(shown @ due / (due @ due))
     off, left, beyond = rms(shown - due) / rms(due), rms(shown - share * due) / rms(due), beyond_claims(bench, motions, names)
@@ -116,16 +116,12 @@ def _effect(names: Sequence[str], right: Sequence[Mapping[str, Array]], of: Sequ
     return np.concatenate([(of[1][name] - of[0][name]) / sizes[name] for name in names] or [np.zeros(0)])
 
 
-def together(bench: Bench, scene: Scene, features: Sequence[Mapping[str, Any]], skipped: frozenset[str]) -> str:
+def together(bench: Bench, scene: Scene, features: Sequence[Mapping[str, Any]], skipped: frozenset[str]) -> None:
     """Check the scene with all features that the engine accepts: quantities that are right one by one may be wrong in pairs."""
     everything, accepted = with_everything(bench, scene, features)
     if len(accepted) < 2:
         raise Unjudged("the engine accepts nothing beside what the scene has")
-    motion = Motion(everything, *(_TOGETHER if scene.crank is not None else (SPUN_UP,)))
-    try:
-        return f"{len(accepted)} features at once: {look_at(bench, motion, skipped)}"
-    except Fault as fault:
-        raise type(fault)(f"{fault}; with {', '.join(accepted)} at once") from fault
+    look_at(bench, Motion(everything, *(_TOGETHER if scene.crank is not None else (SPUN_UP,))), skipped)
 
 
 def with_everything(bench: Bench, scene: AnyScene, features: Sequence[Mapping[str, Any]]) -> tuple[AnyScene, list[str]]:
@@ -141,8 +137,8 @@ def with_everything(bench: Bench, scene: AnyScene, features: Sequence[Mapping[st
     return scene, accepted
 
 
-def turning(bench: Bench) -> str:
+def turning(bench: Bench) -> None:
     """Check an arm that turns fully."""
     if (mild := examined(bench, bench.mild)).motion:
         raise Unjudged("the motion in the mild scene is wrong already")
-    return look_at(bench, Motion(changed(bench.scene, LONG_CRANK), TURNED), frozenset(mild.wrong))
+    look_at(bench, Motion(changed(bench.scene, LONG_CRANK), TURNED), frozenset(mild.wrong))

@@ -60,8 +60,6 @@ CLAMPED: Final = FollowerAlone(spin_up=SpinUp(speed=0.0, time=1.0), base=Base(),
 #: steadily for a while.
 ALONE: Final = FollowerAlone(spin_up=SpinUp(speed=6.0, time=0.4), base=BASE.base, follower=BASE.follower, tip=BASE.tip)
 SPUN_UP: Final = 0.6
-#: Scenes of a follower alone, of which an engine is tried in the first that it models.
-FOLLOWERS: Final = (ALONE, replace(ALONE, tip=None), CLAMPED)
 
 
 @dataclass(frozen=True)
