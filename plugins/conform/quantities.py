@@ -42,8 +42,8 @@ from quickreturn.reference_model.scene_values import OF_TORQUE, AnyScene, change
 
 #: Part of the effect below which a quantity counts as without effect.
 _NONE: Final = 0.02
-#: Part by which an effect may be off that is mostly a share of the right one, with a claim and without; a claim allows more to coarse
-#: models. And what it leaves then, over that share.
+#: Part by which an effect may be off that is mostly a share of the right one: with a claim, which allows more to coarse models, or
+#: without; and without a claim what it leaves then, over that share.
 _OFF: Final = 0.3
 _OFF_UNCLAIMED: Final = 0.6
 _LEFT: Final = 0.4
@@ -101,9 +101,9 @@ def followed(bench: Bench, scene: Scene, change: Change, skipped: frozenset[str]
         raise Unjudged("it shows in columns alone that are wrong already")
     share = float(shown @ due / (due @ due))
     off, left, beyond = rms(shown - due) / rms(due), rms(shown - share * due) / rms(due), beyond_claims(bench, motions, names)
-    limit = _OFF if bench.claims else _OFF_UNCLAIMED
+    limit, rest = (_OFF, UNEXPLAINED * off) if bench.claims else (_OFF_UNCLAIMED, _LEFT * abs(share))
     words = f"{share:.3g} times the right effect of {change.name}, and {100.0 * left:.3g} % of it beside"
-    if beyond or rms(shown) <= _NONE * rms(due) or (off > limit and left <= _LEFT * abs(share)):
+    if beyond or rms(shown) <= _NONE * rms(due) or (off > limit and left <= rest):
         raise Fault(words)
     if beyond is None and off > limit:
         raise Unjudged(f"coarse, and no claim says how much: {words}")
