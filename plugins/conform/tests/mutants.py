@@ -126,11 +126,15 @@ def weight(moment: Callable[[Mechanism], float]) -> type[Mutant]:
     return having(spoil=spoil)
 
 
-class Swallowing(Simulation):
-    """Holds its last row where the slider leaves the follower."""
+class Around(Simulation):
+    """Around a sound simulation."""
 
     def __init__(self, sound: Simulation) -> None:
         self.sound, self.setup_seconds, self.time = sound, sound.setup_seconds, 0.0
+
+
+class Swallowing(Around):
+    """Holds its last row where the slider leaves the follower."""
 
     def advance(self, duration: float, output_step: float) -> Trajectory:
         self.time += duration
@@ -144,11 +148,8 @@ class Swallowing(Simulation):
             return Trajectory(held | {"time": output_step * np.arange(rows, dtype=np.float64)}, 0.0)
 
 
-class OwnStep(Simulation):
+class OwnStep(Around):
     """A solver with a step of 1 ms of its own: a row between two of them holds what the last one left."""
-
-    def __init__(self, sound: Simulation) -> None:
-        self.sound, self.setup_seconds, self.time = sound, sound.setup_seconds, 0.0
 
     def advance(self, duration: float, output_step: float) -> Trajectory:
         run = self.sound.advance(duration, 1e-4)
@@ -243,10 +244,7 @@ class Threaded(ReferenceEngine):
         return _Threads(super().prepare(mechanism, start, settings))
 
 
-class _Threads(Simulation):
-    def __init__(self, sound: Simulation) -> None:
-        self.sound, self.setup_seconds, self.time = sound, sound.setup_seconds, 0.0
-
+class _Threads(Around):
     def advance(self, duration: float, output_step: float) -> Trajectory:
         run = self.sound.advance(duration, output_step)
         self.time = self.sound.time
