@@ -54,7 +54,7 @@ BUDGETS = {
     "quickreturn": 1_970,
     "pack": 90,
     "plugins/as_built": 410,
-    "plugins/conform": 940,
+    "plugins/conform": 950,
     "plugins/derive": 2_090,
     "plugins/fmu": 390,
     "plugins/methods": 2_940,

@@ -360,7 +360,7 @@ _OF_COLUMNS: dict[str, tuple[Callable[[Columns, Any], None], str]] = {
     ),
     "slider from the tip": (lambda c, m: c.update(slider_position=m.follower.length - c["slider_position"]), "column slider_position"),
     "chord": (_chord, "identity: bow and chord"),
-    "shapes from tip to base": (lambda c, m: c.update(zip(SHAPES, [c[name] for name in SHAPES[::-1]], strict=True)), "columns together"),
+    "shapes from tip to base": (lambda c, m: c.update(zip(SHAPES, [c[name] for name in SHAPES[::-1]], strict=True)), "column shape_01"),
     "shapes in mm": (lambda c, m: c.update({name: 1e3 * c[name] for name in SHAPES}), "column shape_01"),
     "time restarts": (lambda c, m: c.update(time=c["time"] - c["time"][0]), "pieces continue"),
     "dissipated energy restarts": (
