@@ -49,8 +49,9 @@ _SCALED: Final = (
 )  # fmt: skip
 _TRIED: Final = 0.1
 _PROMISING: Final = 3
-#: Number of steps of the search, and the step of the logarithm at which it ends.
+#: Number of steps of the search; their largest size in the logarithm, and the one at which it ends.
 _ROUNDS: Final = 6
+_LARGEST: Final = 1.5
 _SETTLED: Final = 2e-3
 
 
@@ -174,6 +175,7 @@ def acts_as_if(bench: Bench, motion: Motion) -> str:
         logarithm, slope, there = 0.0, slopes[path], 0.0 * shown
         for _ in range(_ROUNDS):  # secants
             step = float((shown - there) @ slope / (slope @ slope or math.inf))
+            step = min(max(step, -_LARGEST), _LARGEST)
             before, logarithm, there = there, logarithm + step, of(logarithm + step, path)
             if abs(step) < _SETTLED:
                 break
