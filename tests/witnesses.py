@@ -13,16 +13,15 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Final
 
-from quickreturn.cases.loads import drive
-from quickreturn.cases.loads.fatigue import Fatigue
-from quickreturn.cases.loads.resonance import Resonance
-from quickreturn.cases.loads.stress import ArmStress, Factor
 from quickreturn.cases.motion.catalogue import MEASURES
 from quickreturn.cases.motion.cycle import EXTREMES, HALVES, VIBRATION, ChannelMeasures
 from quickreturn.cases.motion.request import PeriodicOrbit
+from quickreturn.cases.motion.resonance import Resonance
 from quickreturn.cases.motion.solving import Frequencies
 from quickreturn.cases.motion.time_scale import CHANNELS
 from quickreturn.engines.accurate import Result
+from quickreturn.plugins.strength import drive
+from quickreturn.plugins.strength.stress import ArmStress, Factor, Fatigue
 from quickreturn.plugins.studies.resonance_curve.curve import ResonanceCurve, ResonancePeak, SpecialPoint
 from quickreturn.plugins.studies.uncertainty.fit import FittedParameter
 from quickreturn.plugins.studies.uncertainty.scatter import Quantile, Share
@@ -84,7 +83,7 @@ _PLAIN: Final = partial(
 _WORK: Final = Witness(
     "the virtual work of a rigid machine by quadrature",
     1e-5,
-    "tests/cases/test_drive.py::test_the_drive_of_a_rigid_machine_does_the_virtual_work",
+    "plugins/strength/tests/test_drive.py::test_the_drive_of_a_rigid_machine_does_the_virtual_work",
 )
 _DISTURBED: Final = Witness(
     "the decay of disturbances in `mujoco`",
@@ -100,8 +99,9 @@ _FREQUENCY: Final = Witness(
 )
 #: The difference is the spread.
 _AMPLITUDE: Final = Witness(_KNOWN, 0.03, _ACCURACY)
-_FORCES: Final = "tests/cases/test_loads.py::test_"
-_GOODMAN: Final = "tests/cases/test_fatigue.py::test_the_factor_is_that_of_goodmans_line"
+_FORCES: Final = "plugins/strength/tests/test_loads.py::test_"
+_FATIGUE: Final = "plugins/strength/tests/test_fatigue.py::test_"
+_GOODMAN: Final = f"{_FATIGUE}the_factor_is_that_of_goodmans_line"
 _MARCHES: Final = Witness(
     "marches of `mujoco` and `exudyn` from a neighbouring speed",
     0.02,
@@ -196,7 +196,7 @@ _OF_MEASURES: Final = {
     **{f"torque.harmonic_{n}{part}": _WORK for n in range(1, drive.HARMONICS + 1) for part in ("", ".phase", ".cos", ".sin")},
     **dict.fromkeys(("mean.crank_torque", "turn.driven_energy", "turn.returned_energy", "flywheel.energy"), _WORK),
     "flywheel.inertia": Witness(
-        "a free crank with this inertia", 0.005, "tests/cases/test_drive.py::test_a_crank_with_the_flywheel_fluctuates_as_wanted"
+        "a free crank with this inertia", 0.005, "plugins/strength/tests/test_drive.py::test_a_crank_with_the_flywheel_fluctuates_as_wanted"
     ),
     "solve_seconds": _CLOCK,
 }
@@ -237,7 +237,7 @@ _OF_RESULTS: Final[dict[type[Any], dict[str, Witness]]] = {
     ),
     Fatigue: {
         **dict.fromkeys(("equivalent", "notch_factor", "amplitude", "mean"), Witness("Goodman's line by hand", 1e-9, _GOODMAN)),
-        "ranges": Witness("the example of ASTM E1049", 0.0, "tests/cases/test_fatigue.py::test_cycles_are_those_of_the_standard"),
+        "ranges": Witness("the example of ASTM E1049", 0.0, f"{_FATIGUE}cycles_are_those_of_the_standard"),
     },
     Factor: {
         "value": Witness("the closed form of a rigid arm", 1e-6, f"{_FORCES}forces_and_safety"),
@@ -329,7 +329,7 @@ _OF_RESULTS: Final[dict[type[Any], dict[str, Witness]]] = {
         "largest_errors": Witness(
             "largest stresses of `mujoco` and `exudyn`: differences beyond the claims",
             0.0,
-            "tests/verification/test_stress.py::test_the_largest_stress_of_three_engines_is_within_their_claims",
+            "plugins/strength/tests/test_claims_of_stress.py::test_the_largest_stress_of_three_engines_is_within_their_claims",
         ),
         **dict.fromkeys(("setup_seconds", "solve_seconds", "compile_seconds", "estimate_seconds"), _CLOCK),
     },

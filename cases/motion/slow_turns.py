@@ -3,7 +3,7 @@
 from typing import Final
 
 from quickreturn.cases.files.case import Case
-from quickreturn.cases.loads.resonance import resonance
+from quickreturn.cases.motion.resonance import resonance
 from quickreturn.reference_model.rigid import mean_crank_speed
 
 #: Slowest crank (rad/s, 9.5 rpm) that is not looked at more closely: the computation of the first mode takes a while.

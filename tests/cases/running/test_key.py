@@ -101,8 +101,8 @@ def test_what_a_function_imports_counts_and_nothing_else(package: Path) -> None:
 #: Function of a stored job -> some of the modules that it uses, and some that it does not.
 USES = {
     "plugins.studies.sweep.grid.measured_row": (
-        "cases.files.document cases.files.copies cases.files.units cases.files.reading cases.motion.catalogue cases.loads.stress"
-        " cases.motion.steady_state",
+        "cases.files.document cases.files.copies cases.files.units cases.files.reading cases.motion.catalogue cases.motion.steady_state"
+        " plugins.strength.measures plugins.strength.stress",
         "plugins.studies.sweep.study cases.comparison.engines",
     ),
     "plugins.methods.judging.matrix.evidence_of": (
@@ -111,13 +111,13 @@ USES = {
     ),
     "plugins.conform.contract.conform": ("plugins.conform.quantities plugins.conform.rods", "cases.comparison.engines"),
     "cases.motion.steady_state.steady_state": (
-        "cases.motion.drifting_fit cases.motion.marching",
-        "cases.comparison.engines cases.comparison.column_differences plugins.studies.sweep.rows",
+        "cases.motion.drifting_fit cases.motion.marching plugins.strength.drive",
+        "cases.comparison.engines plugins.strength.words cases.comparison.column_differences plugins.studies.sweep.rows",
     ),
     "cases.motion.orbit.find_orbit": ("cases.motion.orbit", "cases.comparison.engines"),
-    "cases.motion.solving.answer_to": ("cases.motion.solving", "cases.files.document cases.motion.steady_state"),
+    "cases.motion.solving.answer_to": ("cases.motion.solving", "cases.files.document cases.motion.steady_state plugins.strength.drive"),
     "plugins.studies.resonance_curve.search.resonance_curve": (
-        "cases.files.copies cases.files.reading cases.loads.peak",
+        "cases.files.copies cases.files.reading plugins.strength.peak",
         "cases.comparison.engines",
     ),
     "plugins.methods.benchmark.measurement.pinned": (

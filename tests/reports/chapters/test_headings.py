@@ -5,14 +5,13 @@ import re
 
 import pytest
 
-from quickreturn.reports.chapters.own import next_finding
 from quickreturn.reports.chapters.provenance import engines, settings
 from quickreturn.reports.chapters.provenance import finding as of_provenance
 from quickreturn.reports.chapters.recorded import finding as of_tables
 from quickreturn.reports.chapters.runs import finding as of_runs
 from quickreturn.reports.chapters.runs import resolvable
 from quickreturn.reports.chapters.runs import signals_finding as of_signals
-from quickreturn.reports.page.chapters import catalogue, chapters_of
+from quickreturn.reports.page.chapters import catalogue, chapters_of, next_finding
 from quickreturn.reports.tables.table import Table
 from quickreturn.reports.verification import Verification
 from tests.reports.pages import chapter_of, finding_of, one_run, plain, text_of

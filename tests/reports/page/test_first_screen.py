@@ -18,14 +18,10 @@ from quickreturn.reports.page.first_screen import (
     Figure,
     figures,
     headline,
-    machine_screen,
     missed_words,
-    safety_figure,
     sentences,
 )
 from quickreturn.reports.results.engine_differences import Spread, spread
-from quickreturn.reports.results.loads import CaseLoads
-from tests.reports.made_up_loads import made_up_loads, without
 from tests.reports.pages import one_run, plain, text_of
 
 
@@ -126,29 +122,3 @@ def test_the_figures_are_what_settled_the_differences_and_a_last_one() -> None:
     bare = answer(alike=[], amplitude=None, extreme=None)
     assert list(shown(figures(bare, Subject(), ("1 Hz", "f")))) == ["6 of 6", "1.2 %", "1 Hz"]
     assert list(shown(figures(dataclasses.replace(bare, frequency=None), Subject(), None))) == ["6 of 6"]
-
-
-def test_a_machine_has_its_verdict_its_stress_and_its_warning() -> None:
-    case = made_up_loads()
-    screen = machine_screen(case)
-    found = plain(" ".join(screen.sentences))
-    share = 100.0 * 0.375 / case.case.mechanism.follower.length
-    assert all(each in found for each in ("The arm holds", "2 (± 5.0 %)", "3 (± 3.0 %)", "375 mm from P", f"{share:.0f} %", "324°"))
-    assert (screen.title, screen.warning) == (case.case.title, "")
-    numbers = shown(screen.figures)
-    assert "compression, 0.05000 MPa" in numbers["12.35 MPa"]
-    assert "yielding at 240 MPa; 3 against fatigue" in numbers["2"]
-    assert "18.40 Hz" in numbers["9.20"]
-    missed = machine_screen(dataclasses.replace(case, missed=("a misses it", "b misses it")))
-    assert "a misses it; b misses it." in missed.warning
-    nothing = machine_screen(CaseLoads(case.case, {}))
-    assert "Provenance" in nothing.sentences[0]
-    assert nothing.figures == []
-
-
-def test_the_safety_figure_gives_the_factors_that_are_known() -> None:
-    case = made_up_loads()
-    assert [safety_figure(without(case, factor))[0] for factor in ("fatigue_factor", "yield_factor")] == ["2", "3"]
-    number, keys = safety_figure(without(case, "yield_factor", "fatigue_factor"))
-    assert number == "–"
-    assert "yield_strength" in keys

@@ -6,13 +6,13 @@ from typing import Final
 
 import numpy as np
 
-from quickreturn.cases.loads.drive import HARMONICS
 from quickreturn.cases.motion.catalogue import MEASURES
 from quickreturn.cases.motion.request import Run
+from quickreturn.plugins.strength.case_drive import NAMES, CaseDrive, drive_of, drive_sentences, text_of
+from quickreturn.plugins.strength.drive import HARMONICS
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.plot import Plot, Series
-from quickreturn.reports.results.drive import NAMES, CaseDrive, drive_of, drive_sentences, text_of
 from quickreturn.reports.tables.cells import CASE
 from quickreturn.reports.tables.table import Cell, Column, Table
 from quickreturn.reports.words import degrees, quantity

@@ -11,11 +11,11 @@ from quickreturn.cases.comparison.engines import CaseResult
 from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.motion.catalogue import MEASURES, numbers
 from quickreturn.cases.motion.number import Number
-from quickreturn.reports.chapters.drive import POINTS, finding
+from quickreturn.plugins.strength.case_drive import CaseDrive, drive_of, drive_sentences, text_of
+from quickreturn.plugins.strength.chapters.drive import POINTS, finding
 from quickreturn.reports.output import plain as as_plain
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.plot import Plot
-from quickreturn.reports.results.drive import CaseDrive, drive_of, drive_sentences, text_of
 from quickreturn.verdict_text import as_document
 from tests.reports import pages
 from tests.reports.pages import chapter_of, one_run, plain, read

@@ -18,18 +18,16 @@ Butterfield, NREL/TP-500-42362, 2009).
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.cases.motion.of_turn import Turn
 from quickreturn.reference_model.splines import CubicSpline
 
 Array = NDArray[np.float64]
-#: Columns of a turn from the slider's farthest place to the next, by name, in SI units, each of shape (rows,).
-Turn = Mapping[str, Array]
 
 #: Columns whose product is the power of the drive.
 POWER: Final = ("crank_torque", "crank_speed")
@@ -43,18 +41,6 @@ BEARINGS: Final = {
     "crank_force": (("crank_force_x", "crank_force_y"), ("crank_angle",)),
     "slider_force": (("slider_force",), ("crank_angle", "follower_angle")),
 }
-
-
-def crank_damping(mechanism: Mechanism) -> float:
-    """Damping of the crank, N m s/rad; 0 at a prescribed speed."""
-    return float(getattr(mechanism.crank.drive, "damping", 0.0))
-
-
-def at_shaft(turn: Turn, damping: float) -> Turn:
-    """The turn with the torque that reaches the crank's shaft: torque and damping (N m s/rad) stand for a motor and its characteristic."""
-    if damping == 0.0 or not {*POWER} <= turn.keys():
-        return turn
-    return {**turn, "crank_torque": turn["crank_torque"] - damping * turn["crank_speed"]}
 
 
 def drive_power(turn: Turn) -> Array:

@@ -8,10 +8,10 @@ from typing import Final
 from quickreturn.cases.comparison.engines import REFERENCE, CaseResult
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.shown import Unit, Units
-from quickreturn.cases.loads.drive import HARMONICS
 from quickreturn.cases.motion.catalogue import MEASURES, numbers
 from quickreturn.cases.motion.number import NO_NUMBER, Number
 from quickreturn.cases.motion.request import Run
+from quickreturn.plugins.strength.drive import EXPONENTS, HARMONICS
 from quickreturn.reports.words import TIED, listed, off_by, percent, quantity
 
 #: Measure -> its name in the page.
@@ -32,7 +32,7 @@ NAMES: Final = {
     **{
         f"equivalent.{force}.{kind}": f"equivalent load of {where}, {kind} bearing"
         for force, where in (("pivot_force", "P"), ("crank_force", "O"), ("slider_force", "the slider’s pin"))
-        for kind in ("ball", "roller")
+        for kind in EXPONENTS
     },
     **{
         f"torque.harmonic_{order}{end}": f"{part} of harmonic {order} of the torque"

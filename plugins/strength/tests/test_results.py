@@ -8,8 +8,8 @@ import pytest
 
 import quickreturn as qr
 from quickreturn.cases.files.printable import in_lines
-from quickreturn.cases.loads import loads_of_run
 from quickreturn.cross_validation import CrossValidation
+from quickreturn.plugins.strength.loads import loads_of_run
 from quickreturn.reports.output import plain
 from quickreturn.verdict_text import as_document, parts_of
 from tests.reports.plotted_results import made_up_result
