@@ -3,16 +3,18 @@
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.printable import Cell
-from quickreturn.cases.motion.request import Run
 from quickreturn.cases.motion.solving import TrajectoryRequest
 from quickreturn.cases.running.job import Job
 from quickreturn.engines.accurate import Result
 from quickreturn.engines.plugins import entries, found
 from quickreturn.reference_model.mechanism import Mechanism
+
+if TYPE_CHECKING:  # a trajectory does not need it, and it takes long to load
+    from quickreturn.cases.motion.request import Run
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,7 +31,7 @@ class Reading:
     """
 
     job: Callable[[TrajectoryRequest, Result], Job[Any]]
-    of_run: Callable[[Mechanism, Run], Any]
+    of_run: "Callable[[Mechanism, Run], Any]"
     document: Callable[[Any], Mapping[str, Any]]
     of_simulation: Callable[[Case, Result, Any], Iterable[tuple[str, Cell]]]
     lines: Callable[[Any], Iterable[str]]

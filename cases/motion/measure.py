@@ -14,8 +14,6 @@ from quickreturn.cases.motion.of_turn import OfTurn, TableColumn, at_shaft, cran
 from quickreturn.cases.motion.request import Run
 from quickreturn.reference_model.mechanism import Mechanism
 
-#: Error of a column at a crank angle (rad), in its unit, by the engine's own estimate; None if it has none.
-ErrorAt = Callable[[str, float], float | None]
 T = TypeVar("T")
 
 #: Error of a size over the size above which it says nothing.

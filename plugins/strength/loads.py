@@ -2,22 +2,24 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.motion.measure import ErrorAt, SettledMotion
 from quickreturn.cases.motion.number import Number
-from quickreturn.cases.motion.request import Run
 from quickreturn.cases.motion.solving import TrajectoryRequest, kept
 from quickreturn.cases.running.job import Job
 from quickreturn.engines.accurate import Result
 from quickreturn.engines.trajectory import Columns
-from quickreturn.plugins.strength.peak import of_column, of_vector
+from quickreturn.plugins.strength.peak import ErrorAt, of_column, of_vector
 from quickreturn.plugins.strength.stress import ArmStress, Factor, arm_stress, axial_stress, safety
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.scene_values import what_moves_nothing
+
+if TYPE_CHECKING:  # a trajectory needs none of these, and they take long to load
+    from quickreturn.cases.motion.measure import SettledMotion
+    from quickreturn.cases.motion.request import Run
 
 Array = NDArray[np.float64]
 
@@ -73,13 +75,15 @@ def loads_of(scene: Scene, columns: Mapping[str, Array], claim: ErrorAt, *, cycl
     )
 
 
-def loads_in(motion: SettledMotion) -> Loads:
+def loads_in(motion: "SettledMotion") -> Loads:
     """Loads on the parts in a settled motion."""
     return loads_of(motion.mechanism, motion.run.cycle, motion.claim)
 
 
-def loads_of_run(mechanism: Mechanism, run: Run) -> Loads | None:
+def loads_of_run(mechanism: Mechanism, run: "Run") -> Loads | None:
     """Loads on the parts in the cycle of a run; None if it has no usable cycle."""
+    from quickreturn.cases.motion.measure import SettledMotion
+
     return loads_in(SettledMotion(mechanism, run)) if run.usable else None
 
 
