@@ -9,8 +9,8 @@ from markupsafe import Markup
 
 from quickreturn.cases.files.shown import Units
 from quickreturn.cases.motion.number import Number
+from quickreturn.plugins.strength.case_drive import drive
 from quickreturn.plugins.strength.case_loads import HARDLY, CaseLoads, loads_on, numbers_of_case
-from quickreturn.plugins.strength.chapters.drive import drive
 from quickreturn.plugins.strength.loads import UNITS
 from quickreturn.plugins.strength.turn import leading_statements
 from quickreturn.plugins.strength.words import NAMES, Load, axial_words, from_p, name_of

@@ -1,1 +1,1 @@
-"""The chapter on the drive, and templates."""
+"""Templates of the chapters."""

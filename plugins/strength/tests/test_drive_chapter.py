@@ -11,8 +11,7 @@ from quickreturn.cases.comparison.engines import CaseResult
 from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.motion.catalogue import MEASURES, numbers
 from quickreturn.cases.motion.number import Number
-from quickreturn.plugins.strength.case_drive import CaseDrive, drive_of, drive_sentences, text_of
-from quickreturn.plugins.strength.chapters.drive import POINTS, finding
+from quickreturn.plugins.strength.case_drive import POINTS, CaseDrive, drive_of, drive_sentences, finding, text_of
 from quickreturn.reports.output import plain as as_plain
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.plot import Plot

@@ -11,7 +11,7 @@ from quickreturn.cases.files.units import in_si
 from quickreturn.cases.motion.resonance import resonance
 from quickreturn.plugins.strength.case_loads import CaseLoads, leading_loads, loads_of_case, loads_on, numbers_of_case, share_of
 from quickreturn.plugins.strength.loads import loads_of_run
-from quickreturn.plugins.strength.page import TOPICS, machines, strength_finding, strength_table
+from quickreturn.plugins.strength.page import TOPICS, machine_screen, machines, safety_figure, strength_finding, strength_table
 from quickreturn.plugins.strength.stress import ArmStress, Factor, section_modulus
 from quickreturn.plugins.strength.tests.made_up_loads import made_up_loads, with_resonance, without
 from quickreturn.plugins.strength.turn import statements
@@ -187,3 +187,29 @@ def test_a_turn_has_what_no_table_shows_and_how_far_it_can_be_trusted(example: C
     assert "trust" in told
     failed = reported_result("example", dict.fromkeys(example.runs, "failed"))
     assert "turn" not in [chapter.id for chapter in chapters_of(one_run(failed))]
+
+
+def test_a_machine_has_its_verdict_its_stress_and_its_warning(known: CaseLoads) -> None:
+    screen = machine_screen(known, known.case.units)
+    found = plain(" ".join(screen.sentences))
+    share = 100.0 * 0.375 / known.case.mechanism.follower.length
+    assert all(each in found for each in ("The arm holds", "2 (± 5.0 %)", "3 (± 3.0 %)", "375 mm from P", f"{share:.0f} %", "324°"))
+    assert (screen.title, screen.warning) == (known.case.title, "")
+    numbers = {plain(number): plain(meaning) for number, meaning in screen.figures}
+    assert "compression, 0.05000 MPa" in numbers["12.35 MPa"]
+    assert "yielding at 240 MPa; 3 against fatigue" in numbers["2"]
+    assert "18.40 Hz" in numbers["9.20"]
+    missed = machine_screen(with_resonance(known, missed=("a misses it", "b misses it")), known.case.units)
+    assert "a misses it; b misses it." in missed.warning
+    nothing = machine_screen(CaseLoads(known.result, {}), known.case.units)
+    assert "Provenance" in nothing.sentences[0]
+    assert nothing.figures == []
+
+
+def test_the_safety_figure_gives_the_factors_that_are_known(known: CaseLoads) -> None:
+    assert [safety_figure(without(known, factor))[0] for factor in ("fatigue_factor", "yield_factor")] == ["2", "3"]
+    both, given = ("yield_factor", "fatigue_factor"), ("yield_strength", "fatigue_strength")
+    for unknown in (0, 1, 2):
+        number, meaning = safety_figure(without(known, *both[:unknown]))
+        assert [key in meaning for key in given] == [place < unknown for place in (0, 1)]
+        assert (number == "–") == (unknown == 2)
