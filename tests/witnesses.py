@@ -20,7 +20,7 @@ from quickreturn.cases.motion.resonance import Resonance
 from quickreturn.cases.motion.solving import Frequencies
 from quickreturn.cases.motion.time_scale import CHANNELS
 from quickreturn.engines.accurate import Result
-from quickreturn.plugins.strength import drive
+from quickreturn.plugins.strength.measures import BEARINGS, EXPONENTS, HARMONICS
 from quickreturn.plugins.strength.stress import ArmStress, Factor, Fatigue
 from quickreturn.plugins.studies.resonance_curve.curve import ResonanceCurve, ResonancePeak, SpecialPoint
 from quickreturn.plugins.studies.uncertainty.fit import FittedParameter
@@ -181,7 +181,7 @@ _OF_MEASURES: Final = {
     **dict.fromkeys(("period", "turn.drive_work", "turn.dissipated_energy", "turn.pivot_angle"), _PLAIN(2e-5)),
     **dict.fromkeys(("mean.crank_speed", "mean.drive_power", "rms.drive_power", "peak.drive_power", "peak.returned_power"), _PLAIN(2e-5)),
     "variation.crank_speed": _PLAIN(5e-4),
-    **{f"equivalent.{force}.{kind}": _PLAIN(5e-4) for force in drive.BEARINGS for kind in drive.EXPONENTS},
+    **{f"equivalent.{force}.{kind}": _PLAIN(5e-4) for force in BEARINGS for kind in EXPONENTS},
     **dict.fromkeys(
         ("peak.stress", "amplitude.stress"),
         Witness("strain gauges of `mujoco` at the place", 5e-4, f"{_HERE}gauges_of_a_link_chain_confirm_the_stress_along_the_arm"),
@@ -193,7 +193,7 @@ _OF_MEASURES: Final = {
     **{f"{half}.frequency{channel}": _FREQUENCY for half in HALVES for channel in ("", *(f".{name}" for name in CHANNELS))},
     **{f"{half}.amplitude.{channel}": _AMPLITUDE for half in HALVES for channel in CHANNELS},
     **dict.fromkeys(("multiplier", "multiplier.real", "multiplier.imag"), _DISTURBED),
-    **{f"torque.harmonic_{n}{part}": _WORK for n in range(1, drive.HARMONICS + 1) for part in ("", ".phase", ".cos", ".sin")},
+    **{f"torque.harmonic_{n}{part}": _WORK for n in range(1, HARMONICS + 1) for part in ("", ".phase", ".cos", ".sin")},
     **dict.fromkeys(("mean.crank_torque", "turn.driven_energy", "turn.returned_energy", "flywheel.energy"), _WORK),
     "flywheel.inertia": Witness(
         "a free crank with this inertia", 0.005, "plugins/strength/tests/test_drive.py::test_a_crank_with_the_flywheel_fluctuates_as_wanted"

@@ -10,7 +10,7 @@ import numpy as np
 from quickreturn.cases.motion.estimates import NUMBER
 from quickreturn.cases.motion.extremes import extremes
 from quickreturn.cases.motion.number import NO_NUMBER, Number
-from quickreturn.cases.motion.of_turn import OfTurn, TableColumn, at_shaft, crank_damping
+from quickreturn.cases.motion.of_turn import OfTurn, TableColumn, at_shaft, by_spacing, crank_damping
 from quickreturn.cases.motion.request import Run
 from quickreturn.reference_model.mechanism import Mechanism
 
@@ -94,7 +94,7 @@ def number_of(declared: OfTurn, motion: SettledMotion) -> Number:
     if not {*declared.columns} <= motion.run.cycle.keys() or (declared.prescribed and motion.mechanism.crank_is_free):
         return NO_NUMBER
     turn = at_shaft(motion.run.cycle, crank_damping(motion.mechanism))
-    value, spacing = declared.of(turn), declared.by_spacing(turn)
+    value, spacing = declared.of(turn), by_spacing(declared.of, turn, declared.columns)
     # of a motor's torque little may be left at the shaft: it settles as the whole does
     scale = abs((declared.scale or declared.of)(motion.run.cycle))
     return Number(value, motion.estimate(declared.name, NUMBER), spacing, settling=motion.left * scale)

@@ -49,10 +49,6 @@ class OfTurn:
     prescribed: bool = False  # whether only a crank at a prescribed speed has it
     in_tables: TableColumn | None = None  # None: tables do not show it; it is a variable of `sweep`, and a key of the JSON document
 
-    def by_spacing(self, turn: Turn) -> float:
-        """Uncertainty from the spacing of rows, see `by_spacing`."""
-        return by_spacing(self.of, turn, self.columns)
-
 
 def by_spacing(of: Callable[[Turn], float], turn: Turn, columns: Sequence[str]) -> float:
     """Uncertainty of a number from the spacing of rows: the larger difference to those of every second row, with even or odd numbers.

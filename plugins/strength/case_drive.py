@@ -13,7 +13,7 @@ from quickreturn.cases.files.shown import Unit, Units
 from quickreturn.cases.motion.catalogue import MEASURES, numbers
 from quickreturn.cases.motion.number import NO_NUMBER, Number
 from quickreturn.cases.motion.request import Run
-from quickreturn.plugins.strength.drive import EXPONENTS, HARMONICS
+from quickreturn.plugins.strength.measures import EXPONENTS, HARMONICS
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.plot import Plot, Series

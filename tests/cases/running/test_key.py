@@ -111,11 +111,11 @@ USES = {
     ),
     "plugins.conform.contract.conform": ("plugins.conform.quantities plugins.conform.rods", "cases.comparison.engines"),
     "cases.motion.steady_state.steady_state": (
-        "cases.motion.drifting_fit cases.motion.marching plugins.strength.drive",
+        "cases.motion.drifting_fit cases.motion.marching plugins.strength.measures",
         "cases.comparison.engines plugins.strength.words cases.comparison.column_differences plugins.studies.sweep.rows",
     ),
     "cases.motion.orbit.find_orbit": ("cases.motion.orbit", "cases.comparison.engines"),
-    "cases.motion.solving.answer_to": ("cases.motion.solving", "cases.files.document cases.motion.steady_state plugins.strength.drive"),
+    "cases.motion.solving.answer_to": ("cases.motion.solving", "cases.files.document cases.motion.steady_state plugins.strength.measures"),
     "plugins.studies.resonance_curve.search.resonance_curve": (
         "cases.files.copies cases.files.reading plugins.strength.peak",
         "cases.comparison.engines",
