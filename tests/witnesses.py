@@ -248,7 +248,7 @@ _OF_RESULTS: Final[dict[type[Any], dict[str, Witness]]] = {
     },
     Resonance: dict.fromkeys(
         ("first_mode", "lowest", "crank"),
-        Witness("the textbook's pinned beam", 1e-6, f"{_FORCES}resonance_of_a_uniform_beam_is_that_of_the_textbook"),
+        Witness("the textbook's pinned beam", 1e-6, "tests/cases/motion/test_resonance.py::test_a_uniform_beam_is_that_of_the_textbook"),
     ),
     PeriodicOrbit: {
         "period": Witness("a march of `mujoco`", 2e-5, f"{_HERE}plain_numpy_on_a_link_chain_confirms_the_measures_of_a_turn"),

@@ -91,12 +91,6 @@ class KnownMoments:
         """Part of the spring in the moment of some rows at arc lengths `x` (m, shape (some rows, m)), N m; 0 without one."""
         return np.zeros(x.shape) if self.pull is None else self.pull.imag[rows, None] * np.maximum(self.spring - x, 0.0)
 
-    @property
-    def at_slider(self) -> Array | None:
-        """Moment on the side of the slider where its magnitude is larger, N m, shape (rows,); None where there is no slider."""
-        larger = np.where(np.abs(self.inboard) > np.abs(self.outboard), self.inboard, self.outboard)
-        return larger if np.isfinite(self.slider).all() else None
-
     def every(self, step: int) -> "KnownMoments":
         """These moments in every `step`-th row."""
         of_rows: dict[str, Any] = {name: value[::step] for name, value in vars(self).items() if isinstance(value, np.ndarray)}

@@ -20,7 +20,7 @@ from quickreturn.reports.page.first_screen import Figure, FirstScreen
 from quickreturn.reports.page.part import Part, nearness_of
 from quickreturn.reports.tables.cells import CASE
 from quickreturn.reports.tables.table import Cell, Column, ColumnList, Table
-from quickreturn.reports.words import degrees, listed, number, off_by, percent, quantity, size, span
+from quickreturn.reports.words import degrees, listed, number, off_by, quantity, size, span
 
 #: Places along the arm at which its stress is drawn.
 ALONG: Final = 61
@@ -49,17 +49,9 @@ def machine_screen(case: CaseLoads, units: Units, nearness: str = "") -> FirstSc
         return FirstScreen(case.case.title, "", [none], [])
     missed = f"These numbers miss their accuracy: {'; '.join(case.missed)}." if case.missed else ""
     beside = " An error beside a number below is the engine’s own estimate of it."
-    sentences = [case.verdict, largest_stress_words(case), departure_words(case)]
+    sentences = [case.verdict, departure_words(case)]
     nearest = nearness or (f"Of the crank’s speed {case.nearness}." if case.nearness else "")
     return FirstScreen(case.case.title, missed and missed + beside, sentences, machine_figures(case), nearest, along_arm(case, units))
-
-
-def largest_stress_words(case: CaseLoads) -> str:
-    """Where and when the arm bears the largest stress."""
-    largest = case.stress.largest
-    share = percent((largest.place or 0.0) / case.case.mechanism.follower.length, ".0f")
-    where = f"{from_p(largest, case.case.units)}, at {share} of the arm’s length"
-    return f"The largest stress is {where}, when the crank stands at {degrees(largest.crank_angle or 0.0)}."
 
 
 def departure_words(case: CaseLoads) -> str:
@@ -72,7 +64,8 @@ def machine_figures(case: CaseLoads) -> list[Figure]:
     """The large numbers: stress, safety, forces, and the first mode over the crank's frequency."""
     peaks, resonance, units = case.loads[case.lead].peaks, case.resonance, case.case.units
     largest, parts = case.stress.largest, axial_words(case.stress.axial, units) or "bending alone"
-    figures = [(quantity(largest.value, units.of("Pa")), f"largest stress in the arm: {parts}{_error(largest)}"), safety_figure(case)]
+    where = f"largest stress in the arm, {from_p(largest, units)}, crank at {degrees(largest.crank_angle or 0.0)}"
+    figures = [(quantity(largest.value, units.of("Pa")), f"{where}: {parts}{_error(largest)}"), safety_figure(case)]
     for name, si in UNITS.items():
         if (peak := peaks[name]) and peak.value:
             at = f"crank at {degrees(peak.crank_angle or 0.0)}"

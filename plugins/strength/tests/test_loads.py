@@ -10,7 +10,6 @@ import pytest
 
 from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.motion.number import Number
-from quickreturn.cases.motion.resonance import resonance
 from quickreturn.cases.running.key import hash_of
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
@@ -295,23 +294,3 @@ def test_the_share_of_a_harmonic_is_that_of_its_neighbourhood() -> None:
     assert share_of(1, cycle) == pytest.approx(3.0 / math.hypot(3.0, 1.0, 0.3, 0.4, 2.0), rel=1e-9)
     assert share_of(180, cycle) is None, "too few rows"
     assert share_of(33, {"time": angle}) is None
-
-
-def test_resonance_of_a_uniform_beam_is_that_of_the_textbook() -> None:
-    """A crank that hardly reaches leaves the support at 0.7 L: pinned, supported, free, without bodies; beta L = 3.88535145."""
-    bare = run_24(base=Base(), tip=None)
-    beam, drive = bare.follower, PrescribedSpeed(speed=-20.0)
-    scene = dataclasses.replace(
-        bare, pivot_distance=0.7 * beam.length, crank=dataclasses.replace(bare.crank, length=1e-4 * beam.length, drive=drive)
-    )
-    right = 3.88535145**2 / (2.0 * math.pi * beam.length**2) * math.sqrt(beam.bending_stiffness / beam.mass_per_length)
-    found = resonance(scene)
-    assert found is not None
-    # the first power of the crank's length averages out over the turn, its square is 1e-8
-    assert found.first_mode == pytest.approx(right, rel=1e-6)
-    assert found.crank == pytest.approx(20.0 / (2.0 * math.pi))
-    assert found.ratio == pytest.approx(right * 2.0 * math.pi / 20.0, rel=1e-6)
-    assert found.harmonic == round(found.ratio)
-    assert found.resonant_speed * found.harmonic == pytest.approx(2.0 * math.pi * right, rel=1e-6)
-    assert found.resonant_speed == pytest.approx(20.0 * (1.0 + found.detuning))
-    assert resonance(run_24(follower={"bending_stiffness": math.inf})) is None

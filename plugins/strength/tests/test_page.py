@@ -91,11 +91,6 @@ def test_a_factor_below_one_is_a_verdict(example: CaseResult, stress: ArmStress,
     assert words in loads_of_case(with_strength(example, **strengths)).verdict
 
 
-def test_one_factor_below_one_is_enough(example: CaseResult, stress: ArmStress) -> None:
-    material = {"yield_strength": 0.5 * stress.largest.value, "fatigue_strength": stress.amplitude.value}
-    assert "does not hold" in loads_of_case(with_strength(example, **material)).verdict
-
-
 def test_each_notch_has_its_factor_and_one_decides(known: CaseLoads) -> None:
     loads = known.loads["reference"]
     assert loads.stress is not None
@@ -192,11 +187,10 @@ def test_a_turn_has_what_no_table_shows_and_how_far_it_can_be_trusted(example: C
 def test_a_machine_has_its_verdict_its_stress_and_its_warning(known: CaseLoads) -> None:
     screen = machine_screen(known, known.case.units)
     found = plain(" ".join(screen.sentences))
-    share = 100.0 * 0.375 / known.case.mechanism.follower.length
-    assert all(each in found for each in ("The arm holds", "2 (± 5.0 %)", "3 (± 3.0 %)", "375 mm from P", f"{share:.0f} %", "324°"))
+    assert all(each in found for each in ("The arm holds", "2 (± 5.0 %)", "3 (± 3.0 %)"))
     assert (screen.title, screen.warning) == (known.case.title, "")
     numbers = {plain(number): plain(meaning) for number, meaning in screen.figures}
-    assert "compression, 0.05000 MPa" in numbers["12.35 MPa"]
+    assert all(each in numbers["12.35 MPa"] for each in ("375 mm from P", "324°", "compression, 0.05000 MPa"))
     assert "yielding at 240 MPa; 3 against fatigue" in numbers["2"]
     assert "18.40 Hz" in numbers["9.20"]
     missed = machine_screen(with_resonance(known, missed=("a misses it", "b misses it")), known.case.units)
