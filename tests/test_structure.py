@@ -59,7 +59,7 @@ BUDGETS = {
     "plugins/fmu": 390,
     "plugins/methods": 2_940,
     "plugins/pack": 430,
-    "plugins/strength": 1_410,
+    "plugins/strength": 1_400,
     "plugins/studies": 2_520,
     "plugins/thesis": 1_450,
 }

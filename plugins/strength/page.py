@@ -20,7 +20,7 @@ from quickreturn.reports.page.first_screen import Figure, FirstScreen
 from quickreturn.reports.page.part import Part, nearness_of
 from quickreturn.reports.tables.cells import CASE
 from quickreturn.reports.tables.table import Cell, Column, ColumnList, Table
-from quickreturn.reports.words import degrees, listed, number, off_by, quantity, size, span
+from quickreturn.reports.words import degrees, listed, number, off_by, quantity, size
 
 #: Places along the arm at which its stress is drawn.
 ALONG: Final = 61
@@ -162,12 +162,9 @@ def strength_table(cases: Sequence[CaseLoads]) -> Table:
 
 
 def _off(load: Load) -> str:
-    """The error in words; of a safety factor its interval, which is not even about the value."""
-    if load.lowest is not None:
-        if load.highest is None:
-            return f"{load.lowest:.3g} or more"
-        ends = span(load.lowest, load.highest, ".3g")
-        return off_by(load.highest - load.value, load.value) if len({*ends.split(" to ")}) == 1 else ends
+    """The error in words; of a safety factor without a bound above its least value."""
+    if load.lowest is not None and load.highest is None:
+        return f"{load.lowest:.3g} or more"
     return "" if load.error is None else off_by(load.error, load.value)
 
 
