@@ -120,10 +120,6 @@ def _solve_seconds(motion: SettledMotion) -> Number:
     return Number(motion.run.computation.solve_seconds or math.nan)
 
 
-def _measure_of(one: OfTurn) -> Measure:
-    return Measure(one.name, one.unit, one.meaning, partial(number_of, one), one.columns, size=one.size, in_tables=one.in_tables)
-
-
 def _declared() -> Iterator[Measure]:
     for name, column in COLUMNS.items():
         if name != "time":
@@ -149,8 +145,12 @@ def _declared() -> Iterator[Measure]:
         ("dissipated_energy", "energy dissipated in a turn"),
     ):
         yield Measure(f"turn.{name}", "J", meaning, partial(_where_given, name, _per_turn), (name,))
-    for each in (*OF_TURN, *of_plugins()):
-        yield _measure_of(each) if isinstance(each, OfTurn) else each
+    for one in (*OF_TURN, *of_plugins()):
+        if isinstance(one, OfTurn):
+            of = partial(number_of, one)
+            yield Measure(one.name, one.unit, one.meaning, of, one.columns, size=one.size, in_tables=one.in_tables)
+        else:
+            yield one
     yield Measure("solve_seconds", "s", "wall time of the solve", _solve_seconds)
 
 

@@ -14,10 +14,9 @@ from quickreturn.cases.motion.resonance import Resonance, in_percent, resonance
 from quickreturn.cases.motion.time_scale import TURN, time_scale
 from quickreturn.plugins.strength.loads import Loads, loads_of_run
 from quickreturn.plugins.strength.stress import ArmStress
-from quickreturn.plugins.strength.words import Load, numbers, verdict
+from quickreturn.plugins.strength.words import Load, numbers
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.rigid import mean_crank_speed
-from quickreturn.reports.page.answer import accuracies_missed
 from quickreturn.reports.page.content import Content
 
 #: Harmonics on either side of one that count as its own: the first mode's frequency changes over the turn and spreads vibrations over them.
@@ -52,16 +51,6 @@ class CaseLoads:
         stress = self.loads[self.lead].stress
         assert stress is not None
         return stress
-
-    @property
-    def verdict(self) -> str:
-        """Whether the arm holds, by the leading engine (a sentence); "" where no strength is given."""
-        return verdict(self.loads[self.lead])
-
-    @cached_property
-    def missed(self) -> tuple[str, ...]:
-        """A clause for each engine that misses its accuracy."""
-        return accuracies_missed(self.result)
 
     @cached_property
     def resonance(self) -> Resonance | None:

@@ -13,7 +13,8 @@ from quickreturn.plugins.strength.case_drive import drive
 from quickreturn.plugins.strength.case_loads import HARDLY, CaseLoads, loads_on, numbers_of_case
 from quickreturn.plugins.strength.loads import UNITS
 from quickreturn.plugins.strength.turn import leading_statements
-from quickreturn.plugins.strength.words import NAMES, Load, axial_words, from_p, name_of
+from quickreturn.plugins.strength.words import NAMES, Load, axial_words, from_p, name_of, verdict
+from quickreturn.reports.page.answer import accuracies_missed
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.first_screen import Figure, FirstScreen
@@ -47,11 +48,14 @@ def machine_screen(case: CaseLoads, units: Units, nearness: str = "") -> FirstSc
     if not case.lead:
         none = "No engine gives the stress of this machine’s arm: the chapter Provenance gives the reasons."
         return FirstScreen(case.case.title, "", [none], [])
-    missed = f"These numbers miss their accuracy: {'; '.join(case.missed)}." if case.missed else ""
-    beside = " An error beside a number below is the engine’s own estimate of it."
-    sentences = [case.verdict, departure_words(case)]
+    missed, warning = accuracies_missed(case.result), ""
+    if missed:
+        warning = (
+            f"These numbers miss their accuracy: {'; '.join(missed)}. An error beside a number below is the engine’s own estimate of it."
+        )
+    sentences = [verdict(case.loads[case.lead]), departure_words(case)]
     nearest = nearness or (f"Of the crank’s speed {case.nearness}." if case.nearness else "")
-    return FirstScreen(case.case.title, missed and missed + beside, sentences, machine_figures(case), nearest, along_arm(case, units))
+    return FirstScreen(case.case.title, warning, sentences, machine_figures(case), nearest, along_arm(case, units))
 
 
 def departure_words(case: CaseLoads) -> str:
