@@ -28,21 +28,13 @@ FILE: Final = "verify_ledger.csv"
 
 @dataclass(frozen=True)
 class Entry:
-    """The last run of a long test.
+    """The last run of a long test."""
 
-    Attributes:
-        test: its name, which begins with its file, relative to the checkout.
-        commit: of the checkout, abbreviated.
-        code: hash of the file and of all modules that it imports.
-        seconds: wall time.
-        outcome: "passed", "failed" or "skipped".
-    """
-
-    test: str
-    commit: str
-    code: str
-    seconds: float
-    outcome: str
+    test: str  # its name, which begins with its file, relative to the checkout
+    commit: str  # of the checkout, abbreviated
+    code: str  # hash of the file and of all modules that it imports
+    seconds: float  # wall time
+    outcome: str  # "passed", "failed" or "skipped"
 
 
 def read(ledger: Path) -> dict[str, Entry]:

@@ -31,7 +31,6 @@ _FIXTURE = re.compile(r"^@pytest\.fixture\(.*scope=\"module\"", re.MULTILINE)
 IN_A_BROWSER = "_in_a_browser.py"
 UNREACHED = "not begun: the slice's time is over"
 
-
 #: The files of quick tests that take longest come first, so that no process is left alone with one at the end.
 LONGEST = (
     "test_documents",
@@ -60,12 +59,7 @@ LONGEST = (
 
 
 class Slice:
-    """A slice of all groups.
-
-    Attributes:
-        number: k, a whole number of any size; the remainder of its division by `count` says which groups belong to it.
-        count: n.
-    """
+    """A slice of all groups: those that belong to the remainder of `number` (k, of any size) by `count` (n)."""
 
     def __init__(self, text: str) -> None:
         number, _, count = text.partition("/")

@@ -89,16 +89,9 @@ def scenes(
 ) -> Scene:
     """Scenes with a flexible follower.
 
-    Args:
-        draw: given by hypothesis.
-        drive: how the crank is driven.
-        damped: with dampings, some of them zero; else without any.
-        turning_slider: some with a slider that has rotary inertia; else without any.
-        compliant: with a soft slider joint; else with a rigid one.
-        rollers: with two soft rollers that differ, clearance or preload between them in some, friction in some, and a material that
-            damps: without any, rattling in a clearance makes trajectories part.
-        tool: with a table of forces on the tip, friction of the tool's slide in some, and a spring with stops that holds the follower.
-        bent: some begin with a bent, vibrating follower; else all with a straight one.
+    Some are damped, or none at all; some have a slider with rotary inertia (`turning_slider`), some begin `bent` and vibrating. `rollers`:
+    two soft ones that differ, clearance or preload between them in some, friction in some, and a material that damps: without any,
+    rattling makes trajectories part. `tool`: a table of forces on the tip, friction of its slide in some, and a spring with stops.
     """
     d = draw(numbers(0.2, 1.0))
     LA = d * draw(numbers(0.1, 0.35))

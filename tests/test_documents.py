@@ -158,10 +158,7 @@ def test_blocks_run(
     PRINTED[block.document] = capfd.readouterr().out
 
 
-@pytest.mark.parametrize(
-    ("before", "block"),
-    [_marks(*pair) for pair in itertools.pairwise(BLOCKS) if pair[1].about == "printed"],
-)
+@pytest.mark.parametrize(("before", "block"), [_marks(*pair) for pair in itertools.pairwise(BLOCKS) if pair[1].about == "printed"])
 def test_what_is_shown_is_printed(
     before: Block,
     block: Block,

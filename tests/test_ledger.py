@@ -78,11 +78,7 @@ def reported(ledger: Ledger, when: Literal["setup", "call", "teardown"], outcome
     ],
 )
 def test_a_test_that_ran_is_entered_beside_those_that_ran_before(
-    checkout: Path,
-    setup: Outcome,
-    call: Outcome | None,
-    teardown: Outcome,
-    outcome: str,
+    checkout: Path, setup: Outcome, call: Outcome | None, teardown: Outcome, outcome: str
 ) -> None:
     place = checkout / "store" / FILE
     place.parent.mkdir()

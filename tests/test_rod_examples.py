@@ -14,7 +14,6 @@ ROOT = Path(__file__).resolve().parents[1]
 PAGE = (ROOT / "docs" / "engine.md").read_text("utf-8")
 ROWS = re.findall(r"^\| ([^|]*) \| (\d+) \| ([^|]*) % \| ([^|]*) % \| ([^|]*) % \|$", PAGE, re.M)
 
-
 WORDS = {
     "MuJoCo, hinges": "mujoco_hinges", "MuJoCo 3, `bend`": "mujoco_bend", "Exudyn, ANCF cable": "exudyn_cable",
     "PyElastica, first element fixed": "pyelastica_rod", "Newton, hinges": "newton_hinges",

@@ -30,7 +30,6 @@ NEEDED = {"pack": {"derive"}, "thesis": {"studies"}}
 MODULES = modules_in(TOP)
 FILES = list(MODULES.values())
 
-
 #: What one must know to change anything else: nothing in it imports anything outside it at the head of a file (docs/developing.md).
 KERNEL = """
 reference_model: columns eigenproblem errors follower mechanism natural_modes quantities rigid scene_values shapes slider
@@ -40,7 +39,7 @@ engines: accurate base error_parts ladder one_run one_thread plugins progress re
     trajectory
 cases.files: broken_toml case copies document errors force_table keys number_rows plausibility printable reading shown text_file units
     whole_file written
-cases.motion: consensus cycle drifting_fit extremes first_mode half_cycle moving_mode number time_scale
+cases.motion: consensus cycle drifting_fit extremes first_mode half_cycle moving_mode number second_mode time_scale
 cases.running: display imported_modules in_process job key pieces records store workshop
 """
 #: Lines of the kernel at most, everything counted.

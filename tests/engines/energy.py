@@ -1,8 +1,10 @@
-"""Energy balance of a trajectory: stored = at the start + work of the drive - dissipated."""
+"""Energy balance of a trajectory: stored = at the start + work of the drive - dissipated; and engines beside what they claim."""
 
 import numpy as np
 from numpy.typing import NDArray
 
+from quickreturn.engines.accurate import Result
+from quickreturn.engines.relative import rms, scale
 from quickreturn.engines.trajectory import Trajectory
 
 
@@ -16,3 +18,11 @@ def from_nowhere(trajectory: Trajectory) -> NDArray[np.float64]:
 def imbalance(trajectory: Trajectory) -> float:
     """The largest of it over the largest strain energy."""
     return float(np.abs(from_nowhere(trajectory)).max() / trajectory["strain_energy"].max())
+
+
+def assert_agree(ours: Result, theirs: Result) -> None:
+    """Every column differs by no more than both estimates."""
+    for column, estimate in theirs.error_estimates.items():
+        own = ours.error_estimates[column]
+        difference = rms(theirs.trajectory[column] - ours.trajectory[column])
+        assert difference <= (estimate + own) * scale(column, ours.trajectory.columns), column

@@ -103,11 +103,9 @@ class FakeEngine(Engine):
         return FakeSettings(step=0.2 if accuracy > 1e-3 else 0.1)
 
     def comparisons(self, settings: AnySettings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
-        assert isinstance(settings, FakeSettings)
         return (Comparison(settings, settings.replaced(step=2.0 * settings.step), 4.0),)
 
     def finer(self, settings: AnySettings, excess: Mapping[str, float], output_step: float) -> FakeSettings | None:
-        assert isinstance(settings, FakeSettings)
         return settings.replaced(step=settings.step / 2.0) if settings.step > 0.03 else None
 
     def prepare(self, mechanism: Mechanism, start: Start, settings: AnySettings) -> FakeSimulation:

@@ -15,7 +15,7 @@ from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.mechanism import Mechanism
-from tests.engines.fake_engine import FakeEngine, FakeSettings, FakeSimulation, error_of
+from tests.engines.fake_engine import FakeEngine, FakeSimulation, error_of
 from tests.engines.scenes import run_24
 from tests.engines.test_accurate import DURATION, STEP, run, step_of
 
@@ -55,7 +55,6 @@ def test_an_accuracy_is_not_reached_where_all_runs_for_an_estimate_fail() -> Non
 def test_finer_run_serves_where_the_coarser_one_fails() -> None:
     class WithSpare(FakeEngine):
         def comparisons(self, settings: Settings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
-            assert isinstance(settings, FakeSettings)
             coarse, fine = (settings.replaced(step=factor * settings.step) for factor in (2.0, 0.5))
             return (Comparison(settings, coarse, 4.0, instead=Comparison(settings, fine, 0.25)),)
 
@@ -87,7 +86,6 @@ def test_claims_hold_whatever_the_time_limit(monkeypatch: pytest.MonkeyPatch, ra
 
     class Compares(Slow):
         def comparisons(self, settings: Settings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
-            assert isinstance(settings, FakeSettings)
             by, factor = (1.0 / ratio, 0.25) if finer else (ratio, 4.0)
             other, further = (settings.replaced(step=settings.step * by**power) for power in (1, 2))
             return (Comparison(settings, other, factor, Comparison(other, further, factor)),)
@@ -182,12 +180,10 @@ class Further(FakeEngine):
         self.worse, self.made = worse, list[float]()
 
     def comparisons(self, settings: Settings, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
-        assert isinstance(settings, FakeSettings)
         finer, further = (settings.replaced(step=settings.step / part) for part in (2.0, 4.0))
         return (Comparison(settings, finer, 0.25, Comparison(finer, further, 0.25), alike=2.0),)
 
     def prepare(self, mechanism: Mechanism, start: Start, settings: Settings) -> Simulation:
-        assert isinstance(settings, FakeSettings)
         self.made.append(settings.step)
         simulation, worse = super().prepare(mechanism, start, settings), self.worse
         plain = simulation.advance

@@ -5,7 +5,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import mujoco
 import pytest
 
 from quickreturn.engines.mujoco import installation
@@ -47,17 +46,19 @@ def test_either_distribution_will_do(site: Path, distributions: tuple[str, ...],
     assert installation.version() == f"mujoco {version}"
 
 
-def test_two_versions_in_one_folder_are_told_in_a_sentence(site: Path) -> None:
-    laid(site, "mujoco 3.17.0", "mujoco-core 4.0.1")
-    assert installation.unavailable() == (
-        "the distributions mujoco 3.17.0 and mujoco-core 4.0.1 have written the same files, of which one version is left of each: "
-        "pip uninstall mujoco mujoco-core, then pip install mujoco"
-    )
-
-
-def test_files_that_another_distribution_took_away_are_missed(site: Path) -> None:
-    laid(site, "mujoco 3.17.0", files=False)
-    assert "files of the package mujoco are missing" in str(installation.unavailable())
+@pytest.mark.parametrize(
+    ("distributions", "files", "words"),
+    [
+        ((), None, "mujoco is not installed"),
+        (("mujoco 3.3.0",), True, "mujoco 3.3.0 is installed, 3.3.1 or later is needed"),
+        (("mujoco 3.17.0",), False, "files of the package mujoco are missing"),
+        (("mujoco 3.17.0", "mujoco-core 4.0.1"), True, "pip uninstall mujoco mujoco-core, then pip install mujoco"),
+    ],
+)
+def test_what_is_wrong_with_an_installation(site: Path, distributions: tuple[str, ...], files: bool | None, words: str) -> None:
+    if files is not None:
+        laid(site, *distributions, files=files)
+    assert words in str(installation.unavailable())
 
 
 def test_a_distribution_in_another_folder_does_not_count(site: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -66,16 +67,6 @@ def test_a_distribution_in_another_folder_does_not_count(site: Path, monkeypatch
     monkeypatch.setattr(sys, "path", [str(site / "first"), str(site / "second")])
     assert installation.unavailable() is None
     assert installation.version() == "mujoco 3.17.0"
-
-
-def test_nothing_and_an_old_version_are_told(site: Path) -> None:
-    assert installation.unavailable() == "the package mujoco is not installed (distribution mujoco)"
-    laid(site, "mujoco 3.3.0")
-    assert installation.unavailable() == "mujoco 3.3.0 is installed, 3.3.1 or later is needed"
-
-
-def test_the_version_is_that_of_the_package() -> None:
-    assert installation.version() == f"mujoco {mujoco.__version__}"
 
 
 @pytest.mark.verify

@@ -99,10 +99,7 @@ def test_held_crank_takes_the_torque_of_reference() -> None:
 
 @pytest.mark.parametrize(
     "slider",
-    [
-        Slider(joint_stiffness=2e4, joint_damping=20.0, friction=0.3, friction_force=1.0),
-        Slider(joint_stiffness_plus=1e4, friction=0.3),
-    ],
+    [Slider(joint_stiffness=2e4, joint_damping=20.0, friction=0.3, friction_force=1.0), Slider(joint_stiffness_plus=1e4, friction=0.3)],
 )
 def test_rigid_follower_rubs_as_in_reference(slider: Slider) -> None:
     """Exact in space: a couple of the friction, at a crank tip beside the line, would show. Measured 7e-7, the chain's steps."""

@@ -132,7 +132,6 @@ def test_the_ladder_follows_the_measured_errors() -> None:
     assert (pair.other.resolution, pair.factor) == (12, pytest.approx((8 / 12) ** 2))  # type: ignore[attr-defined]
     assert pair.other.tolerance < pair.run.tolerance  # type: ignore[attr-defined]
     finer = engine.finer(engine.settings_for(0.2, BASE), {"resolution": 4.0}, 1e-3)
-    assert finer is not None
     assert finer.resolution == 8
     assert engine.finer(SimpleSettings(resolution=16), {"resolution": 2.0}, 1e-3) is None
 
@@ -149,7 +148,6 @@ def test_the_slider_that_leaves_ends_the_run() -> None:
     failure = failure_of(engine_of(row=row))
     assert "left the follower" in failure.cause
     assert failure.time == pytest.approx(0.05, abs=1.01e-3)
-    assert failure.partial is not None
     assert failure.partial["slider_position"].max() <= BASE.follower.length
 
 

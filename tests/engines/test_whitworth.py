@@ -118,12 +118,6 @@ def test_engines_agree_about_a_flexible_follower_that_turns(engine: str, within:
         assert rms(theirs[name] - ours[name]) < 1e-3 * rms(ours[name]), name
 
 
-def test_the_slider_stays_between_difference_and_sum() -> None:
-    s = flexible("reference")["slider_position"]
-    assert s.min() == pytest.approx(LA - D, rel=1e-4)
-    assert s.max() == pytest.approx(LA + D, rel=1e-4)
-
-
 @pytest.mark.parametrize("engine", MAIN)
 def test_pieces_go_on_from_turn_to_turn(engine: str) -> None:
     solver = usable_engine(engine)
@@ -208,6 +202,4 @@ def test_claims_hold_on_random_machines_that_turn() -> None:
             size, ours = rms(reference.trajectory[name]), reference.error_estimates[name]
             for other in others:
                 theirs, apart = other.error_estimates[name], rms(other.trajectory[name] - reference.trajectory[name])
-                assert ours is not None
-                assert theirs is not None
                 assert ours + theirs > 1.0 or apart <= (ours + theirs) * size + 1e-12, (scene.name, name, other.settings)

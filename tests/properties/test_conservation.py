@@ -42,55 +42,6 @@ def imbalance(trajectory: Trajectory) -> float:
     return float(np.ptp(stored + trajectory["dissipated_energy"] - trajectory["drive_work"]))
 
 
-@for_all(few=6, many=40, scene=scenes())
-def test_energy_is_balanced(scene: Scene) -> None:
-    trajectory = THESIS.run(scene)
-    assert imbalance(trajectory) <= STEPS_ADD_UP * TOLERANCE * energy_size(scene, trajectory, THESIS.half_waves)
-
-
-@for_all(few=6, many=40, scene=scenes())
-def test_energy_is_balanced_with_shapes_that_stay(scene: Scene) -> None:
-    trajectory = FIXED_SHAPES.run(scene)
-    assert imbalance(trajectory) <= TABLES * energy_size(scene, trajectory, FIXED_SHAPES.half_waves)
-
-
-@for_all(few=4, many=30, scene=scenes(drive="torque", compliant=True))
-def test_energy_is_balanced_with_a_soft_joint(scene: Scene) -> None:
-    trajectory = COMPLIANT.run(scene)
-    assert imbalance(trajectory) <= TABLES * energy_size(scene, trajectory, COMPLIANT.half_waves)
-
-
-@for_all(few=6, many=40, scene=scenes(drive="torque", rollers=True))
-def test_energy_is_balanced_with_rollers_and_friction(scene: Scene) -> None:
-    trajectory = COMPLIANT.run(scene)
-    assert imbalance(trajectory) <= TABLES * energy_size(scene, trajectory, COMPLIANT.half_waves)
-
-
-@for_all(few=2, many=20, scene=scenes(drive="prescribed", compliant=True))
-def test_work_of_a_prescribed_speed_is_balanced_with_a_soft_joint(scene: Scene) -> None:
-    trajectory = COMPLIANT.run(scene)
-    assert imbalance(trajectory) <= TWO_MODES * energy_size(scene, trajectory, COMPLIANT.half_waves)
-
-
-@for_all(few=6, many=40, scene=scenes(drive="torque", turning_slider=True))
-def test_energy_is_balanced_with_shapes_that_follow_the_slider(scene: Scene) -> None:
-    trajectory = REFERENCE.run(scene)
-    assert imbalance(trajectory) <= TABLES * energy_size(scene, trajectory, REFERENCE.half_waves)
-
-
-@pytest.mark.parametrize("method", [REFERENCE, pytest.param(FIXED_SHAPES, marks=pytest.mark.verify)], ids=str)
-@for_all(few=6, many=40, scene=scenes(drive="torque", turning_slider=True, tool=True))
-def test_energy_is_balanced_with_a_tool_and_a_spring(method: Method, scene: Scene) -> None:
-    trajectory = method.run(scene)
-    assert imbalance(trajectory) <= TABLES * energy_size(scene, trajectory, method.half_waves)
-
-
-@for_all(few=6, many=40, scene=scenes(drive="prescribed", turning_slider=True))
-def test_work_of_a_prescribed_speed_is_balanced_with_shapes_that_follow_the_slider(scene: Scene) -> None:
-    trajectory = REFERENCE.run(scene)
-    assert imbalance(trajectory) <= THREE_MODES * energy_size(scene, trajectory, REFERENCE.half_waves)
-
-
 @for_all(few=2, many=15, scene=scenes(drive="torque", turning_slider=True))
 def test_finer_tables_lose_no_energy(scene: Scene) -> None:
     fine = with_fine_tables(scene.mechanism, 3)
@@ -125,8 +76,6 @@ def check_reversal(method: Method, scene: Scene) -> None:
         crank = replace(crank, drive=PrescribedSpeed(speed=-crank.drive.speed))
     turned = scene.with_part(crank=crank)
     back = method.engine.prepare(turned.mechanism, turned.start, method.settings)
-    assert isinstance(there, OwnSimulation)
-    assert isinstance(back, OwnSimulation)
     back.state = there.state.copy()
     back.state[rates(back)] *= -1.0
     backward = back.advance(scene.duration, scene.output_step)
@@ -143,3 +92,40 @@ def rates(simulation: OwnSimulation) -> slice:
         return slice(m + 1, 2 * m + 1)
     n = simulation.model.shapes.count
     return slice(n + 1, 2 * n + 2)
+
+
+def check_balance(method: Method, scene: Scene, within: float) -> None:
+    trajectory = method.run(scene)
+    assert imbalance(trajectory) <= within * energy_size(scene, trajectory, method.half_waves)
+
+
+@pytest.mark.parametrize(("method", "within"), [(THESIS, STEPS_ADD_UP * TOLERANCE), (FIXED_SHAPES, TABLES)], ids=str)
+@for_all(few=6, many=40, scene=scenes())
+def test_energy_is_balanced(method: Method, within: float, scene: Scene) -> None:
+    check_balance(method, scene, within)
+
+
+@for_all(few=6, many=40, scene=scenes(drive="torque", turning_slider=True))
+def test_energy_is_balanced_with_shapes_that_follow_the_slider(scene: Scene) -> None:
+    check_balance(REFERENCE, scene, TABLES)
+
+
+@pytest.mark.parametrize("method", [REFERENCE, pytest.param(FIXED_SHAPES, marks=pytest.mark.verify)], ids=str)
+@for_all(few=6, many=40, scene=scenes(drive="torque", turning_slider=True, tool=True))
+def test_energy_is_balanced_with_a_tool_and_a_spring(method: Method, scene: Scene) -> None:
+    check_balance(method, scene, TABLES)
+
+
+@for_all(few=5, many=35, scene=scenes(drive="torque", compliant=True) | scenes(drive="torque", rollers=True))
+def test_energy_is_balanced_with_a_joint_that_gives_way(scene: Scene) -> None:
+    check_balance(COMPLIANT, scene, TABLES)
+
+
+@for_all(few=2, many=20, scene=scenes(drive="prescribed", compliant=True))
+def test_work_of_a_prescribed_speed_is_balanced_with_a_soft_joint(scene: Scene) -> None:
+    check_balance(COMPLIANT, scene, TWO_MODES)
+
+
+@for_all(few=6, many=40, scene=scenes(drive="prescribed", turning_slider=True))
+def test_work_of_a_prescribed_speed_is_balanced_with_shapes_that_follow_the_slider(scene: Scene) -> None:
+    check_balance(REFERENCE, scene, THREE_MODES)

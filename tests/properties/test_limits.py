@@ -19,16 +19,7 @@ from quickreturn.plugins.methods.rivals.stiff_spring import StiffSpringSettings
 from quickreturn.reference_model.mechanism import Base, Mechanism, TorqueDrive
 from quickreturn.reference_model.tip import Tip
 from tests.properties.law import for_all
-from tests.properties.runs import (
-    EXUDYN,
-    MUJOCO,
-    REFERENCE,
-    STEPS_ADD_UP,
-    TOLERANCE,
-    Array,
-    Method,
-    sizes,
-)
+from tests.properties.runs import EXUDYN, MUJOCO, REFERENCE, STEPS_ADD_UP, TOLERANCE, Array, Method, sizes
 from tests.strategies import Scene, scenes
 
 Part = Callable[[Mechanism, float], Mechanism]
@@ -111,10 +102,7 @@ PARTS: dict[str, Part] = {
     "gravity": weight,
 }
 #: Friction along the follower: with a force that holds the slider, which knows its size, whether it rubs or not.
-FRICTIONS: dict[str, Part] = {
-    "friction": lambda m, share: rubbing(m, friction=share),
-    "drag": lambda m, share: rubbing(m, drag=share),
-}
+FRICTIONS: dict[str, Part] = {"friction": lambda m, share: rubbing(m, friction=share), "drag": lambda m, share: rubbing(m, drag=share)}
 PLACES = ("crank_angle", "slider_position", "tip_x", "tip_y")
 COLUMNS = (*PLACES, "follower_angle", "tip_deflection", "strain_2", "slider_force", "strain_energy")
 #: What the joints of Exudyn and MuJoCo cannot carry.

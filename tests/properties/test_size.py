@@ -36,10 +36,7 @@ from tests.strategies import Scene, scenes
 
 #: Small, large, light, heavy, fast and slow machines.
 SIZES = st.builds(
-    lambda length, mass, time: Size(10.0**length, 10.0**mass, 10.0**time),
-    st.floats(-3.0, 3.0),
-    st.floats(-9.0, 9.0),
-    st.floats(-3.0, 3.0),
+    lambda length, mass, time: Size(10.0**length, 10.0**mass, 10.0**time), st.floats(-3.0, 3.0), st.floats(-9.0, 9.0), st.floats(-3.0, 3.0)
 )
 #: In these nothing is rounded.
 EXACT = (Size(length=2.0**-10), Size(length=2.0**10), Size(mass=2.0**-30), Size(time=2.0**-10), Size(time=2.0**5))

@@ -1,4 +1,4 @@
-"""The mechanism's symmetries: mirror image, whole turns, and the independence of physics from the units of measure."""
+"""The mechanism's symmetries: mirror image and whole turns."""
 
 import math
 from dataclasses import replace
@@ -6,14 +6,11 @@ from dataclasses import replace
 import pytest
 from hypothesis import strategies as st
 
-from quickreturn.cases.files.keys import dimension_of
 from quickreturn.engines.base import EngineFailure
-from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
-from quickreturn.reference_model.scene_values import scene_of, values_of
+from quickreturn.reference_model.mechanism import PrescribedSpeed
 from tests.properties.law import for_all
 from tests.properties.runs import (
     COMPLIANT,
-    ENERGIES,
     EXPLICIT,
     EXUDYN,
     MUJOCO,
@@ -26,15 +23,11 @@ from tests.properties.runs import (
     assert_close,
     both,
 )
-from tests.strategies import Scene, numbers, scenes
+from tests.strategies import Scene, scenes
 
 #: How closely an engine does the same thing again in other numbers. The integrators of the explicit models may take other steps for the
 #: sake of a rounding; Exudyn leaves Newton's iteration at a residual of 1e-6; MuJoCo's steps are fixed, roundings alone are left.
-REPEATED = {
-    **dict.fromkeys(("reference", "thesis", "fixed-shapes"), STEPS_ADD_UP * TOLERANCE),
-    "exudyn": 1e-6,
-    "mujoco": 1e-9,
-}
+REPEATED = {**dict.fromkeys(("reference", "thesis", "fixed-shapes"), STEPS_ADD_UP * TOLERANCE), "exudyn": 1e-6, "mujoco": 1e-9}
 #: What the image in the line through O and P does to each column: keeps it or turns its sign. The follower's angle is counted from
 #: the direction of P to O.
 MIRRORED = {
@@ -56,17 +49,6 @@ MIRRORED = {
     "gravity_energy": 1.0,
     "dissipated_energy": 1.0,
     "drive_work": 1.0,
-}
-
-
-#: Exponents of length, mass and time in each column.
-DIMENSIONS = {
-    **dict.fromkeys(("crank_angle", "follower_angle", "strain_1", "strain_2", "strain_3"), (0, 0, 0)),
-    "crank_speed": (0, 0, -1),
-    **dict.fromkeys(("slider_position", "tip_x", "tip_y", "tip_deflection"), (1, 0, 0)),
-    "tip_acceleration": (1, 0, -2),
-    "slider_force": (1, 1, -2),
-    **dict.fromkeys(("crank_torque", *ENERGIES), (2, 1, -2)),
 }
 
 
@@ -99,29 +81,6 @@ def image(columns: dict[str, Array]) -> dict[str, Array]:
     seen = {name: sign * columns[name] for name, sign in MIRRORED.items() if name in columns}
     # mirrored about the direction of P to O, which lies at half a turn
     return seen | {"follower_angle": 2.0 * math.pi - columns["follower_angle"]}
-
-
-def factor(exponents: tuple[int, ...], units: tuple[float, float, float]) -> float:
-    """By what a number grows that has these exponents of length, mass and time."""
-    return math.prod(unit**exponent for unit, exponent in zip(units, exponents[:3], strict=True))
-
-
-def scaled(scene: Scene, units: tuple[float, float, float]) -> Scene:
-    """The scene with all lengths, masses and times multiplied; the dimension of each quantity is the one that case files demand."""
-    values = values_of(scene.mechanism)
-    for section, keys in values.items():
-        for name, value in keys.items():
-            by = factor(dimension_of(f"{section}.{name}").exponents, units)
-            keys[name] = tuple(by * each for each in value) if isinstance(value, tuple) else by * value
-    other = scene_of(values)
-    assert isinstance(other, Mechanism)
-    return replace(
-        scene,
-        mechanism=other,
-        bend=units[0] * scene.bend,
-        bend_rate=units[0] / units[2] * scene.bend_rate,
-        duration=units[2] * scene.duration,
-    )
 
 
 def check_image(method: Method, scene: Scene) -> None:
@@ -171,13 +130,3 @@ def test_whole_turns_of_the_crank_change_nothing(method: Method, scene: Scene, t
     found = method.run(turned).columns
     found |= {"crank_angle": found["crank_angle"] - turns * 2.0 * math.pi}
     assert_close(found, expected, scene, method, REPEATED[method.engine.name])
-
-
-@pytest.mark.parametrize("method", [*EXPLICIT], ids=str)
-@for_all(few=4, many=25, scene=scenes(), powers=st.tuples(*[numbers(-1.0, 1.0)] * 3))
-def test_motion_scales_with_the_units_of_length_mass_and_time(method: Method, scene: Scene, powers: tuple[float, float, float]) -> None:
-    """Dimensional analysis: lengths, masses and times in other proportions are the same scene in other units."""
-    units = (10.0 ** powers[0], 10.0 ** powers[1], 10.0 ** powers[2])
-    columns = method.run(scaled(scene, units)).columns
-    back = {name: columns[name] / factor(exponents, units) for name, exponents in DIMENSIONS.items()}
-    assert_close(back, method.run(scene), scene, method, STEPS_ADD_UP * TOLERANCE)

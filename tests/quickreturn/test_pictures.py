@@ -62,7 +62,6 @@ def test_the_deflection_is_magnified_by_a_round_factor(trajectory: Trajectory) -
 def test_a_spring_is_drawn_from_its_fixed_point_to_its_place_on_the_follower() -> None:
     case = load_case("return-spring")
     spring, length = case.mechanism.acting_spring, case.mechanism.follower.length
-    assert spring is not None
     axes = mechanisms([case]).axes[0]
     anchor, place = np.array(spring.anchor), spring.place_on(length)
     (coil,) = (line for line in axes.lines if len(line.get_xdata()) > 2 and np.allclose(line.get_xydata()[0], anchor))

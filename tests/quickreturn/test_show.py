@@ -33,20 +33,6 @@ def test_a_follower_alone_has_the_frequency_of_its_cantilever(call: Call) -> Non
     assert derived["first_bending_frequency"]["value"] == pytest.approx(1.87510407**2 * (14e3 / 1.2) ** 0.5 / 100.0 / 6.283185307, rel=1e-6)
 
 
-def test_material_and_section_make_stiffness_and_mass(call: Call) -> None:
-    shown = json.loads(call("show", "hard-shaper-steel", "--set", "follower.thickness=20 mm", "--json").output)
-    assert shown["scene"]["follower"]["bending_stiffness"] == pytest.approx(13440.0 / 8.0, rel=1e-12)
-    shown = json.loads(call("show", "hard-shaper-steel", "--json").output)
-    assert shown["scene"]["follower"]["bending_stiffness"] == pytest.approx(210e9 * 0.012 * 0.04**3 / 12.0, rel=1e-12)
-    assert shown["scene"]["follower"]["mass_per_length"] == pytest.approx(7850.0 * 0.012 * 0.04, rel=1e-12)
-
-
-def test_a_length_in_metres_in_place_of_millimetres_is_said(call: Call) -> None:
-    answer = call("show", "hard-shaper-steel", "--set", "follower.length=602.7 m")
-    assert answer.code == 0
-    assert "follower.length is 602.7 m" in answer.output
-
-
 def test_the_scene_stands_there_before_an_engine_has_answered(capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     """Engines may take a minute of compiling on a new machine; each is shown as it comes."""
     seen = []

@@ -33,7 +33,6 @@ assert runs["thesis-24", "thesis"].usable and len(runs.frame) > 0
 print(solution, runs, qr.list_engines(), sep="\\n")
 """
 
-
 #: Whether a first simulation imports the compiler, and whether it keeps compiled code.
 FIRST = """
 import os, sys
@@ -69,7 +68,6 @@ assert_type([each.name for each in qr.list_cases()], list[str])
 assert_type(qr.conform("thesis").conforms, bool | None)
 assert_type(shown, str)
 """
-
 
 #: Puts a verification into the store, as `make verify` does.
 VERIFICATION = """

@@ -14,13 +14,7 @@ Array = NDArray[np.float64]
 def rigid_bearing_forces(
     mechanism: Mechanism, crank_angle: Array, crank_speed: Array | float, crank_acceleration: Array | float = 0.0
 ) -> tuple[Array, Array]:
-    """Forces (N) of the ground on the follower's base at P and on the crank at O for a given motion, equation 9.10.
-
-    Arguments as of `rigid_motion`.
-
-    Returns:
-        Two arrays of shape (2, *that of the crank angle): components along n1 and n2.
-    """
+    """Forces (N, along n1 and n2) of the ground on the follower's base at P and on the crank at O for a given motion, equation 9.10."""
     motion = rigid_motion(mechanism, crank_angle, crank_speed, crank_acceleration)
     force = rigid_kinetostatics(mechanism, crank_angle, crank_speed, crank_acceleration)[0]
     q1, gravity = np.asarray(crank_angle, dtype=float), complex(*mechanism.gravity)

@@ -16,7 +16,6 @@ model = BeamModel.following(run_24(), 2)
 model.observe(model.integrate(model.straight_state(1.0, 0.0), 1e-3, 3, 1e-5).states)
 """
 
-
 #: Where objects cannot be loaded, numba's own cache serves.
 NO_OBJECTS = """
 from pathlib import Path

@@ -20,13 +20,7 @@ from tests.engines.scenes import FOLLOWER_ALONE as SCENE
 
 Array = NDArray[np.float64]
 
-BARE = dataclasses.replace(
-    SCENE,
-    base=Base(),
-    tip=None,
-    gravity=(0.0, 0.0),
-    follower=dataclasses.replace(SCENE.follower, damping=0.0),
-)
+BARE = dataclasses.replace(SCENE, base=Base(), tip=None, gravity=(0.0, 0.0), follower=dataclasses.replace(SCENE.follower, damping=0.0))
 
 
 def test_base_motion_is_the_spin_up_of_the_literature() -> None:

@@ -53,7 +53,6 @@ MACHINES = {
 def marched(scene: Mechanism) -> float:
     """Mean speed of the last turn of the rigid machine, once turns repeat: d(kinetic energy)/dq1 = torque + loads - losses."""
     beam, tip, slider, crank, drive = scene.follower, scene.tip_body, scene.slider, scene.crank, scene.crank.drive
-    assert isinstance(drive, TorqueDrive)
     way, h = math.copysign(1.0, drive.torque), 1e-3
     # angles at which the classical Runge-Kutta method asks: two in a step
     q1 = way * 2.0 * math.pi / (2 * STEPS) * np.arange(2 * STEPS + 1)

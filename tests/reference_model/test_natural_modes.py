@@ -1,4 +1,4 @@
-"""Frozen-crank modes against the transcendental determinant of the two-span beam and against published numbers."""
+"""Frozen-crank modes against the transcendental determinant of the two-span beam."""
 
 import dataclasses
 import math
@@ -8,14 +8,13 @@ import pytest
 from numpy.polynomial import legendre
 from scipy.optimize import brentq
 
-from quickreturn.reference_model.mechanism import Base, Mechanism
+from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import deflections, frozen_crank_modes, supported_modes
 from quickreturn.reference_model.slider import Slider
 from tests.engines.scenes import INCH, run_24
 from tests.verification.ladder.overhung_beam import determinant
 
 RUN_24 = run_24()
-BARE = dataclasses.replace(RUN_24, base=Base(), tip=None)
 
 
 def with_tip(offset: float) -> Mechanism:
@@ -44,40 +43,9 @@ def test_no_frequency_is_missed() -> None:
     assert np.count_nonzero(np.diff(signs)) == 4
 
 
-@pytest.mark.parametrize(("support", "eigenvalue"), [(0.5, 3.01183092), (0.7, 3.88535145)])
-def test_uniform_pinned_beam_with_overhang(support: float, eigenvalue: float) -> None:
-    beam = BARE.follower
-    frequency = supported_modes(BARE, support * beam.length, 1).frequencies[0]
-    wave_number = (beam.mass_per_length * (2 * math.pi * frequency) ** 2 / beam.bending_stiffness) ** 0.25
-    assert wave_number * beam.length == pytest.approx(eigenvalue, abs=5.1e-9)  # all printed digits
-
-
-@pytest.mark.parametrize(
-    ("crank_angle", "expected"),
-    [
-        (180.0, ("20.354", "62.287", "112.95", "212.94")),
-        (90.0, ("17.779", "45.604", "135.26", "263.37")),
-        (0.0, ("10.925", "63.787", "123.83", "230.04")),
-    ],
-)
-def test_run_24_to_all_known_digits(crank_angle: float, expected: tuple[str, ...]) -> None:
-    for frequency, digits in zip(frozen_crank_modes(RUN_24, math.radians(crank_angle), 4).frequencies, expected, strict=True):
-        last_digit = 10.0 ** -len(digits.split(".")[1])
-        # rounding is half a last digit; the known 135.26 carries a discretization error of its own (the determinant has 135.2547)
-        assert frequency == pytest.approx(float(digits), abs=0.54 * last_digit)
-
-
-@pytest.mark.parametrize(("crank_angle", "lowered"), [(180.0, 0.020), (90.0, 0.048), (0.0, 0.034)])
-def test_center_of_mass_half_an_inch_out_lowers_the_first_mode(crank_angle: float, lowered: float) -> None:
-    angle = math.radians(crank_angle)
-    ratio = frozen_crank_modes(with_tip(0.5 * INCH), angle, 1).frequencies[0] / frozen_crank_modes(RUN_24, angle, 1).frequencies[0]
-    assert 1.0 - ratio == pytest.approx(lowered, abs=5e-4)  # half the last digit
-
-
 def test_modes_are_orthonormal_with_respect_to_all_masses_and_rest_at_the_slider() -> None:
     mechanism = with_tip(0.5 * INCH)
     tip = mechanism.tip
-    assert tip is not None
     modes = supported_modes(mechanism, 0.4, 4)
     gram = np.zeros((4, 4))
     for start, end in ((0.0, 0.4), (0.4, modes.length)):
@@ -126,7 +94,6 @@ def test_curvature_is_that_of_the_exact_shape() -> None:
     """At P the moment equals what turns the base block, at the tip what accelerates the body, for each mode."""
     mechanism = with_tip(0.5 * INCH)
     tip, EI = mechanism.tip, mechanism.follower.bending_stiffness
-    assert tip is not None
     modes = frozen_crank_modes(mechanism, 1.0, 3)
     omega2 = (2 * np.pi * modes.frequencies) ** 2
     ends = np.array([0.0, modes.length])
@@ -162,11 +129,6 @@ def test_turning_slider_lowers_frequencies_as_rayleighs_quotient_has_it() -> Non
     slope = plain.deflection(np.array([s]), 1)[:, 0]
     # first-order perturbation of a mass-normalised mode; 1e-9 kg m² is 1e-5 of the beam's, so the second order is 1e-5 of it
     assert 1.0 - turning.frequencies / plain.frequencies == pytest.approx(inertia * slope**2 / 2, rel=1e-3)
-
-
-def test_rigid_follower_has_no_modes() -> None:
-    rigid = dataclasses.replace(RUN_24, follower=dataclasses.replace(RUN_24.follower, bending_stiffness=math.inf))
-    assert len(frozen_crank_modes(rigid, 0.0, 4)) == 0
 
 
 def test_what_cannot_be_is_refused() -> None:

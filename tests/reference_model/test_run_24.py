@@ -1,12 +1,9 @@
 """Run 24 from the standard start over 2 s: numbers on which independent formulations agree, and one method against another."""
 
-import math
-
 import numpy as np
 import pytest
 
 from quickreturn.reference_model.model import BeamModel
-from quickreturn.reference_model.rigid import rigid_motion
 from quickreturn.reference_model.shapes import hermite_elements
 from tests.engines.scenes import run_24
 from tests.reference_model.motion import beam_runs
@@ -30,15 +27,6 @@ def test_known_numbers(converged: dict[str, Array]) -> None:
     np.testing.assert_allclose(curvatures, [0.122, 0.251, 0.167], atol=7e-4)  # 1/m
     assert np.max(np.abs(converged["tip_acceleration"])) == pytest.approx(88.9, abs=0.15)  # m/s^2
     assert converged["crank_angle"][-1] == pytest.approx(36.38754, abs=2e-5)  # rad; all disturbances of two seconds add up here
-
-
-def test_the_standard_start_is_the_rigid_mechanism(converged: dict[str, Array]) -> None:
-    mechanism = run_24()
-    motion = rigid_motion(mechanism, np.array(math.pi), mechanism.crank.drive.initial_speed)
-    assert converged["slider_position"][0] == pytest.approx(float(motion.slider_position), rel=1e-14)
-    # m; the moment of a straight follower is zero, as well as seven modes know its accelerations
-    assert abs(converged["tip_deflection"][0]) < 1e-8
-    assert converged["tip_x"][0] == pytest.approx(mechanism.pivot_distance - mechanism.follower.length, abs=1e-15)
 
 
 def test_one_cubic_misses_by_eighty_percent(converged: dict[str, Array]) -> None:

@@ -25,7 +25,6 @@ ELASTIC: Final = dataclasses.replace(HEAVY, rollers=Rollers(plus=2e3, minus=2e3)
 CONSERVING: Final = undriven(gravity=(3.0, -9.81), slider=Slider(mass=0.2, inertia=3e-4))
 CONSERVING_ELEMENTS: Final = dataclasses.replace(CONSERVING, slider=Slider(mass=0.2))
 
-
 #: Models of conserving scenes, and of scenes with everything on, by constraint.
 MODELS: Final[dict[str, tuple[Callable[[], BeamModel], Callable[[], BeamModel]]]] = {
     "following, compliant": (

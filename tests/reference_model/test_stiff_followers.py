@@ -35,7 +35,6 @@ def scene_of(stiffness: float, gravity: float = 0.0, *, driven: bool = False) ->
 def test_static_deflection_is_the_integral_of_the_bending_moment(gravity: float) -> None:
     scene, angles = scene_of(1.0, gravity), 6
     beam, tip, squares = scene.follower, scene.tip, []
-    assert tip is not None
     center = beam.length + tip.center_of_mass
     for angle in np.linspace(0.0, 2.0 * math.pi, angles, endpoint=False):
         motion, force = rigid_motion(scene, angle, SPEED), float(rigid_kinetostatics(scene, angle, SPEED)[0])

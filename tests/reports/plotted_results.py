@@ -21,7 +21,7 @@ from quickreturn.engines.trajectory import OPTIONAL, REQUIRED
 from quickreturn.reference_model.columns import MOMENTS, SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.rigid import RigidMotion, rigid_kinetostatics, rigid_motion
-from tests.changed_run import changed_run
+from tests.changed_run import UNRESOLVED, changed_run, measured
 from tests.reference_model.rigid_loads import rigid_bearing_forces, rigid_bending_moment
 
 ENGINES = ("thesis", "reference", "exudyn", "mujoco")
@@ -102,26 +102,15 @@ def _bending(mechanism: Mechanism, angle: np.ndarray, speed: float, motion: Rigi
 def _measure(half: str, channel: str, frequency: float, values: np.ndarray, random: np.random.Generator) -> ChannelMeasures:
     peak = float(np.max(np.abs(values)))
     resolvable = random.random() > 0.2
-    found = ChannelMeasures(
-        half=half,
-        channel=channel,
-        first_mode_frequency=frequency,
-        first_mode_frequency_uncertainty=0.14,
-        first_mode_frequency_estimate=0.02,
-        first_mode_amplitude=peak * (0.5 + 0.01 * random.standard_normal()) if resolvable else None,
-        first_mode_amplitude_uncertainty=0.01 * peak,
-        first_mode_amplitude_estimate=0.01 * peak,
-        second_mode_frequency=None,
-        minimum=-peak * (1.0 + 0.01 * random.standard_normal()),
-        minimum_uncertainty=0.0,
-        maximum=peak * (1.0 + 0.01 * random.standard_normal()),
-        maximum_uncertainty=0.0,
-        minimum_estimate=0.01 * peak,
-        maximum_estimate=0.01 * peak,
-        reason="" if resolvable else "made up",
-    )
-    vibration = [name for name in vars(found) if name.startswith("first_mode")]
-    return found if resolvable else dataclasses.replace(found, **dict.fromkeys(vibration))
+    amplitude = peak * (0.5 + 0.01 * random.standard_normal()) if resolvable else None
+    numbers = {"minimum": -peak * (1.0 + 0.01 * random.standard_normal()), "maximum": peak * (1.0 + 0.01 * random.standard_normal())}
+    numbers |= {"minimum_estimate": 0.01 * peak, "maximum_estimate": 0.01 * peak}
+    if not resolvable:
+        return measured(half, channel, **UNRESOLVED, **numbers, reason="made up")
+    sizes = {"first_mode_frequency": (frequency, 0.14, 0.02), "first_mode_amplitude": (amplitude, 0.01 * peak, 0.01 * peak)}
+    for name, (value, uncertainty, estimate) in sizes.items():
+        numbers |= {name: value, f"{name}_uncertainty": uncertainty, f"{name}_estimate": estimate}
+    return measured(half, channel, **numbers)
 
 
 def made_up_result(name: str, statuses: dict[str, str] | None = None, seed: int = 0, turning: int = 1) -> CaseResult:

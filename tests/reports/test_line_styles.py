@@ -17,7 +17,6 @@ from quickreturn.reports.page.render import KINDS, environment
 STYLE = environment().get_template("style.css").render(engines=(), looks={})
 LIGHT, DARK = (dict(re.findall(r"--([\w-]+): (#\w+)", block)) for block in re.findall(r"{([^}]*--ground[^}]*)}", STYLE)[:2])
 
-
 Array = NDArray[np.float64]
 
 #: What eyes without one kind of cones make of linear RGB: Machado, Oliveira and Fernandes (2009), severity 1.

@@ -17,17 +17,13 @@ from quickreturn.plugins.conform.records import verdicts
 from quickreturn.plugins.methods.tests.made_up_benchmark import made_up_benchmark
 from quickreturn.plugins.methods.tests.made_up_studies import made_up_studies
 from quickreturn.plugins.methods.tests.pages import of_studies
-from quickreturn.plugins.thesis.content import ThesisContent
 from quickreturn.reports import report as report_module
 from quickreturn.reports.machine import machine_facts
-from quickreturn.reports.output import OutputError, check_folder
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.render import report_page
-from quickreturn.reports.report import CATALOGUE, PAGE, write, write_report
-from quickreturn.reports.tables.table import Table
+from quickreturn.reports.report import CATALOGUE, write, write_report
 from quickreturn.reports.verification import FILE, PARTS, verification
-from tests.cases.files.scene_texts import SCENE
 from tests.reports import pages
 from tests.reports.conftest import Call
 from tests.reports.pages import content_of
@@ -92,21 +88,6 @@ def test_every_table_in_the_page_says_what_its_csv_file_says(folder: Path, read:
             assert [value for _, value in shown] == [row[head] for head in read.heads[file]], file
 
 
-def test_shown_numbers_are_the_files_numbers_rounded(folder: Path) -> None:
-    table = next(table for table in tables_of(folder) if table.name == "run_by_engine")
-    (frequency,) = (column for column in table.columns if column.key == "pre_frequency")
-    for row in table.rows:
-        value = row["pre_frequency"].value
-        if isinstance(value, float):
-            shown = table.page_text(row, frequency).split(" ± ")[0]
-            assert float(shown) == pytest.approx(value, abs=0.005)  # two decimals
-
-
-def tables_of(folder: Path) -> list[Table]:
-    results = [reported_result("thesis-24"), reported_result("thesis-06", {"exudyn": "failed"}, seed=5)]
-    return [table for chapter in chapters_of(content_of(results=results)) for table in chapter.tables]
-
-
 def test_the_catalogue_lists_every_file_and_no_other(folder: Path) -> None:
     listed = {row["file"] for row in csv.DictReader((folder / CATALOGUE).read_text("utf-8").splitlines())}
     assert listed | {CATALOGUE} == {path.name for path in folder.glob("*.csv")}
@@ -144,7 +125,6 @@ def test_a_report_on_ones_own_case_has_its_title_and_no_word_on_the_thesis() -> 
     assert names.index("agreement") > names.index("each")  # the machine comes before what engines think of each other
     both = content_of(results=[reported_result("thesis-24"), reported_result("example")])
     assert "strength" not in [chapter.id for chapter in chapters_of(both)]
-    assert isinstance(both, ThesisContent)
     assert [result.case.name for result in both.thesis_results] == ["thesis-24"]
 
 
@@ -195,29 +175,6 @@ def test_a_status_is_a_failure_only_if_the_engine_did_not_complete() -> None:
     statuses = {"thesis": "inaccurate", "reference": "not settled", "exudyn": "failed", "mujoco": "refused"}
     found = {run.engine: run.ending.incomplete for _, run in Content(results=[reported_result("thesis-24", statuses)]).troubles}
     assert found == {"thesis": False, "reference": True, "exudyn": True, "mujoco": False}  # mujoco is there: it refuses the scene
-
-
-def test_a_folder_that_cannot_be_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("")
-    for bad in (tmp_path / "file", tmp_path / "file" / "below", Path("/proc/nowhere")):
-        with pytest.raises(OutputError, match=r"^/.*: (this is a file|it cannot be written)"):
-            check_folder(bad, PAGE)
-
-
-def test_a_bad_folder_is_told_before_anything_runs(call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(report_module, "cross_validate", lambda *_, **__: pytest.fail("an engine ran"))
-    (tmp_path / "file").write_text("")
-    code, output, errors = call("report", "thesis-17", "--output", "file")
-    assert (code, output) == (2, "")
-    assert errors.startswith("quickreturn: --output file: this is a file")
-
-
-def test_unknown_cases_and_doubles_are_refused(call: Call) -> None:
-    assert call("report", "thesis-25").code == 2
-    Path("twin.toml").write_text(SCENE.replace('"scene"', '"thesis-24"'))
-    code, _, errors = call("report", "thesis-24", "./twin.toml")
-    assert code == 2
-    assert "two cases have this name" in errors
 
 
 @pytest.mark.parametrize(("status", "expected"), [("settled", 0), ("inaccurate", 3), ("failed", 3), ("not settled", 3)])

@@ -76,39 +76,23 @@ Request = tuple[str, float | None]
 
 @dataclass(frozen=True, kw_only=True)
 class Row:
-    """One claim.
-
-    Attributes:
-        scene, engine: names.
-        condition: of the scene (`tests.verification.random_scenes.Scene`).
-        asked: accuracy as text, "default" if none was asked for.
-        column: that the claim is about.
-        claim, error: of the column, the engine's own estimate and against the truth; None where there is none.
-        reached: as the engine says.
-        settings: of the delivered run, as text.
-        solve_seconds: of the delivered run.
-        total_seconds: with all runs for the estimate and the rungs climbed.
-        truth_error: difference of the truth from two modes fewer, in this column.
-        confirmation: difference of the truth from the confirming run; None where there is none.
-        confirmed_by: that run.
-        remark: why not reached, or why there is no claim or no run.
-    """
+    """One claim."""
 
     scene: str
-    condition: float
+    condition: float  # of the scene (`tests.verification.random_scenes.Scene`)
     engine: str
-    asked: str
-    column: str
-    claim: float | None = None
-    error: float | None = None
-    reached: bool = False
-    settings: str = ""
-    solve_seconds: float | None = None
-    total_seconds: float | None = None
-    truth_error: float | None
-    confirmation: float | None
-    confirmed_by: str
-    remark: str = ""
+    asked: str  # accuracy as text, "default" if none was asked for
+    column: str  # that the claim is about
+    claim: float | None = None  # the engine's own estimate; None where there is none
+    error: float | None = None  # against the truth; None where there is none
+    reached: bool = False  # as the engine says
+    settings: str = ""  # of the delivered run, as text
+    solve_seconds: float | None = None  # of the delivered run
+    total_seconds: float | None = None  # with all runs for the estimate and the rungs climbed
+    truth_error: float | None  # difference of the truth from two modes fewer, in this column
+    confirmation: float | None  # difference of the truth from the confirming run; None where there is none
+    confirmed_by: str  # that run
+    remark: str = ""  # why not reached, or why there is no claim or no run
 
 
 def library_scenes() -> Iterator[Scene]:
@@ -214,15 +198,7 @@ def _run(name: str, scene: Scene, settings: Settings) -> Trajectory | None:
 def campaign(scenes: Iterable[tuple[Scene, Sequence[Request]]], workshop: Workshop, confirm: bool = True) -> tuple[pd.DataFrame, list[str]]:
     """All rows (`Row`), and a clause for each scene that has none: its process broke down, or there is no truth.
 
-    Each scene has a process of its own and is taken from the store where it is there.
-
-    Args:
-        scenes: with the requests (engine, accuracy) to make of each.
-        workshop: where what is missing is computed and kept, scene by scene.
-        confirm: whether to run a confirming engine; nothing is judged without.
-
-    Raises:
-        KeyboardInterrupt: Ctrl-C; what was computed is stored.
+    Each scene has a process of its own and is taken from the store where it is there. Without `confirm` nothing is judged.
     """
     jobs = []
     for scene, requests in scenes:

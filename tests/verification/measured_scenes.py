@@ -26,13 +26,7 @@ def vibrating_cycle(
 ) -> tuple[Array, Array, dict[str, Array]]:
     """Time, crank angle and all channels: slow shape of unit RMS plus first and second mode, without noise.
 
-    Args:
-        scale: of the mechanism.
-        speed: of the crank, rad/s, constant.
-        factor: of the first mode's frequency over the mechanism's own.
-        amplitude: of the first mode, times its template.
-        second: the same two numbers for the second mode.
-        samples: per cycle.
+    `factor` and `amplitude`: of the first mode, over its own frequency and times its template; `second`: the same of the second mode.
     """
     time = np.linspace(0.0, 2.0 * np.pi / speed, samples)
     crank_angle = np.pi + speed * time

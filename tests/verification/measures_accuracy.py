@@ -29,35 +29,21 @@ DRIFTS = (AS_DICTATED, (0.7, 1.3))  # least and greatest drift of the frequency 
 
 @dataclass(frozen=True)
 class Accuracy:
-    """Errors at one strength of vibration, relative; NaN where nothing was resolved.
+    """Errors at one strength of vibration, relative; NaN where nothing was resolved."""
 
-    Attributes:
-        vibration: over the slow part's peak.
-        samples: channels of half cycles drawn.
-        resolvable: share of them whose frequency was measured at all.
-        bias: mean error of the frequency.
-        spread: standard deviation of the frequency's error.
-        within: modulus of the frequency's error that 90 % stay below.
-        amplitude_spread: standard deviation of the amplitude's error.
-        claimed: median claimed uncertainty of the frequency.
-        rms_z: root mean square of errors over claimed uncertainties.
-        within_two: share of the frequencies that lie within two claimed uncertainties.
-        consensus_claimed, consensus_rms_z, consensus_within_two: the same of the consensus frequencies.
-    """
-
-    vibration: float
-    samples: int
-    resolvable: float
-    bias: float = np.nan
-    spread: float = np.nan
-    within: float = np.nan
-    amplitude_spread: float = np.nan
-    claimed: float = np.nan
-    rms_z: float = np.nan
-    within_two: float = np.nan
-    consensus_claimed: float = np.nan
-    consensus_rms_z: float = np.nan
-    consensus_within_two: float = np.nan
+    vibration: float  # over the slow part's peak
+    samples: int  # channels of half cycles drawn
+    resolvable: float  # share of them whose frequency was measured at all
+    bias: float = np.nan  # mean error of the frequency
+    spread: float = np.nan  # standard deviation of the frequency's error
+    within: float = np.nan  # modulus of the frequency's error that 90 % stay below
+    amplitude_spread: float = np.nan  # standard deviation of the amplitude's error
+    claimed: float = np.nan  # median claimed uncertainty of the frequency
+    rms_z: float = np.nan  # root mean square of errors over claimed uncertainties
+    within_two: float = np.nan  # share of the frequencies that lie within two claimed uncertainties
+    consensus_claimed: float = np.nan  # the same of the consensus frequencies
+    consensus_rms_z: float = np.nan  # the same of the consensus frequencies
+    consensus_within_two: float = np.nan  # the same of the consensus frequencies
 
 
 def thesis_scene(run: int) -> tuple[Mechanism, float]:

@@ -4,6 +4,7 @@ Kept are those that are sensible by the criteria of `random_scenes` and whose fi
 """
 
 import dataclasses
+import itertools
 import math
 from collections.abc import Callable, Iterator
 from functools import partial
@@ -28,99 +29,13 @@ BRAKED_DURATION: Final = 0.5  # s
 MATERIALS: Final = {"steel": (210e9, 7850.0), "aluminium": (70e9, 2700.0), "plastic": (3e9, 1200.0)}
 
 
-def sensible_machines(seed: int) -> Iterator[Scene]:
-    """Machines such as an engineer would bring, without end, the same ones for the same seed.
+def _machine(generator: Generator) -> Mechanism:
+    """A machine such as an engineer would bring.
 
     Stroke of the tip 30 mm to 1.5 m, arm of steel, aluminium or plastic, 10 to 300 times as long as thick, crank at 5 to 600 rpm, tip body
     of 0 to 5 times the arm's mass, driven and prescribed. No gravity: under its own weight a straight start rings for thousands of cycles,
-    and their phase is known to no model. Beside the criteria of `random_scenes` the first bending frequency must be five times the crank's
-    or more wherever the crank is held.
+    and their phase is known to no model.
     """
-    return _stiff_enough("machine-{:03d}", np.random.default_rng(seed), _machine, MACHINE_DURATION)
-
-
-def turning_machines(seed: int) -> Iterator[Scene]:
-    """Sensible machines whose follower turns fully, without end, the same ones for the same seed.
-
-    Crank and distance of the pivots of `sensible_machines` are exchanged; the slider then covers the same part of the follower.
-    """
-
-    def exchanged(generator: Generator) -> Mechanism:
-        machine = _machine(generator)
-        crank = dataclasses.replace(machine.crank, length=machine.pivot_distance)
-        return dataclasses.replace(machine, pivot_distance=machine.crank.length, crank=crank)
-
-    return _stiff_enough("turning-{:02d}", np.random.default_rng([seed, 13]), exchanged, MACHINE_DURATION)
-
-
-def combined_machines(seed: int) -> Iterator[Scene]:
-    """Sensible machines with everything at once, without end, the same ones for the same seed.
-
-    A slider with mass and in half of them with inertia, a compliant joint in half of them, 30 to 3000 times as stiff as the follower, a
-    force on the tip over a part of the turn in half of them, gravity in most; the follower's damping is 0.2 to 300 % of critical.
-    """
-    return _stiff_enough("combined-{:02d}", np.random.default_rng([seed, 7]), _with_everything, COMBINED_DURATION)
-
-
-def braked_machines(seed: int) -> Iterator[Scene]:
-    """`combined_machines` whose pivot is braked and hardly has inertia, without end, the same ones for the same seed.
-
-    The damper lets the arm turn at its base in 0.1 to 100 % of the time of its first vibration, friction bends it by 1 to 30 % of its
-    static deflection; there is one or the other, or both. Base inertia is 0 in half of them, else 1e-6 to 1e-3 times the arm's mass times
-    its length squared. Gauges stand within 3 % of both ends.
-    """
-    return _stiff_enough("braked-{:02d}", np.random.default_rng([seed, 11]), _braked, BRAKED_DURATION)
-
-
-def loaded_machines(seed: int) -> Iterator[Scene]:
-    """`combined_machines` that work against a load, without end, the same ones for the same seed.
-
-    The base's damping takes some 5 to 60 % of what the crank's does; half of the arms have material damping, 0.2 to 10 % of critical in the
-    first vibration; the tip body's centre is up to a tenth of the length inside or beyond the end; a third are without a tip body. Gauges
-    stand within 3 % of both ends.
-    """
-    return _stiff_enough("loaded-{:02d}", np.random.default_rng([seed, 17]), _loaded, BRAKED_DURATION)
-
-
-def arms_alone(seed: int) -> Iterator[FollowerAlone]:
-    """Arms of `loaded_machines` that a prescribed angle of their base spins up, without end, the same ones for the same seed."""
-    generator = np.random.default_rng([seed, 19])
-    while True:
-        machine = _loaded(generator)
-        follower = machine.follower
-        pace = 3.52 * math.sqrt(follower.bending_stiffness / follower.mass_per_length) / follower.length**2
-        yield FollowerAlone(
-            spin_up=SpinUp(speed=pace * log_uniform(generator, 0.02, 0.5), time=2.0 * math.pi / pace * log_uniform(generator, 1.0, 10.0)),
-            base=machine.base,
-            follower=follower,
-            tip=dataclasses.replace(machine.tip, force=(0.0, 0.0)) if machine.tip else None,
-        )
-
-
-def heavy_ends(seed: int) -> Iterator[Scene]:
-    """Sensible machines whose bodies at the ends bend the arm there, without end, the same ones for the same seed.
-
-    A tip body of 0.3 to 3 times the arm's mass, with its centre up to a sixth of the length beyond the end and a radius of gyration of 3 to
-    20 % of it; a base with up to a tenth of the arm's inertia and, in half of them, damping. The soft arms of `sensible_machines` are here.
-    """
-    return _stiff_enough("heavy-{:03d}", np.random.default_rng([seed, 11]), _with_heavy_ends, MACHINE_DURATION)
-
-
-def _stiff_enough(name: str, generator: Generator, draw: Callable[[Generator], Mechanism], duration: float) -> Iterator[Scene]:
-    """Sensible scenes whose first bending frequency is `LEAST_STIFFNESS_RATIO` times the crank's or more."""
-    number = 0
-    while True:
-        mechanism = draw(generator)
-        if stiffness_ratio(mechanism) < LEAST_STIFFNESS_RATIO:
-            continue
-        scene = judged(name.format(number + 1), mechanism, duration)
-        if scene is not None:
-            number += 1
-            yield scene
-
-
-def _machine(generator: Generator) -> Mechanism:
-    """A machine whose parts fit together."""
     uniform, between = generator.uniform, partial(log_uniform, generator)
 
     stroke, swing, reach = between(0.03, 1.5), uniform(0.15, 0.6), uniform(0.6, 0.97)
@@ -163,7 +78,11 @@ def _machine(generator: Generator) -> Mechanism:
 
 
 def _with_everything(generator: Generator) -> Mechanism:
-    """A machine with all that can act on it, see `combined_machines`."""
+    """A machine with all that can act on it.
+
+    A slider with mass and in half of them with inertia, a compliant joint in half of them, 30 to 3000 times as stiff as the follower, a
+    force on the tip over a part of the turn in half of them, gravity in most; the follower's damping is 0.2 to 300 % of critical.
+    """
     machine, uniform, between = _machine(generator), generator.uniform, partial(log_uniform, generator)
 
     follower = machine.follower
@@ -191,7 +110,12 @@ def _with_everything(generator: Generator) -> Mechanism:
 
 
 def _braked(generator: Generator) -> Mechanism:
-    """A machine with all that can act on it and a braked pivot, see `braked_machines`."""
+    """A machine with all that can act on it, whose pivot is braked and hardly has inertia.
+
+    The damper lets the arm turn at its base in 0.1 to 100 % of the time of its first vibration, friction bends it by 1 to 30 % of its
+    static deflection; there is one or the other, or both. Base inertia is 0 in half of them, else 1e-6 to 1e-3 times the arm's mass times
+    its length squared.
+    """
     machine, uniform, between = _with_everything(generator), generator.uniform, partial(log_uniform, generator)
 
     follower, pace = machine.follower, crank_pace(machine)
@@ -213,14 +137,18 @@ def _braked(generator: Generator) -> Mechanism:
 
 
 def _gauged_at_the_ends(follower: Follower, generator: Generator) -> Follower:
-    """The follower with a gauge near either end and one between."""
+    """The follower with a gauge within 3 % of either end and one between."""
     length, uniform = follower.length, generator.uniform
     gauges = length * uniform(0.001, 0.03), length * uniform(0.3, 0.7), length * uniform(0.97, 0.995)
     return dataclasses.replace(follower, strain_gauges=gauges)
 
 
 def _loaded(generator: Generator) -> Mechanism:
-    """A machine that works against a load, see `loaded_machines`."""
+    """A machine with all that can act on it, which works against a load.
+
+    The base's damping takes some 5 to 60 % of what the crank's does; half of the arms have material damping, 0.2 to 10 % of critical in the
+    first vibration; the tip body's centre is up to a tenth of the length inside or beyond the end; a third are without a tip body.
+    """
     machine, uniform, between = _with_everything(generator), generator.uniform, partial(log_uniform, generator)
 
     drive = machine.crank.drive
@@ -235,14 +163,18 @@ def _loaded(generator: Generator) -> Mechanism:
     return dataclasses.replace(
         machine,
         base=dataclasses.replace(machine.base, damping=damping),
-        slider=dataclasses.replace(machine.slider, inertia=0.0),  # as in `braked_machines`
+        slider=dataclasses.replace(machine.slider, inertia=0.0),  # as in `_braked`
         follower=dataclasses.replace(follower, material_damping=2.0 * between(2e-3, 0.1) / rate if uniform() < 0.5 else 0.0),
         tip=dataclasses.replace(tip, center_of_mass=length * uniform(-0.1, 0.1)) if tip else None,
     )
 
 
 def _with_heavy_ends(generator: Generator) -> Mechanism:
-    """A machine with heavy bodies at both ends of its arm, see `heavy_ends`."""
+    """A machine whose bodies at the ends bend the arm there.
+
+    A tip body of 0.3 to 3 times the arm's mass, with its centre up to a sixth of the length beyond the end and a radius of gyration of 3 to
+    20 % of it; a base with up to a tenth of the arm's inertia and, in half of them, damping.
+    """
     machine, uniform = _machine(generator), generator.uniform
     length = machine.follower.length
     arm = machine.follower.mass_per_length * length
@@ -254,3 +186,46 @@ def _with_heavy_ends(generator: Generator) -> Mechanism:
         tip=Tip(mass=mass, inertia=mass * radius**2, center_of_mass=length * uniform(0.0, 1.0 / 6.0)),
         base=Base(inertia=inertia * uniform(0.0, 0.1), damping=damping),
     )
+
+
+def _turning(generator: Generator) -> Mechanism:
+    """A machine whose follower turns fully: crank and distance of the pivots are exchanged, the slider covers the same part of the arm."""
+    machine = _machine(generator)
+    crank = dataclasses.replace(machine.crank, length=machine.pivot_distance)
+    return dataclasses.replace(machine, pivot_distance=machine.crank.length, crank=crank)
+
+
+def _stiff_enough(name: str, duration: float, draw: Callable[[Generator], Mechanism], *stream: int) -> Callable[[int], Iterator[Scene]]:
+    """By a seed: sensible scenes whose first bending frequency is `LEAST_STIFFNESS_RATIO` times the crank's or more, without end."""
+
+    def machines(seed: int) -> Iterator[Scene]:
+        generator, numbers = np.random.default_rng([seed, *stream]), itertools.count(1)
+        sensible = (
+            judged("", each, duration) for each in iter(lambda: draw(generator), None) if stiffness_ratio(each) >= LEAST_STIFFNESS_RATIO
+        )
+        return (dataclasses.replace(scene, name=name.format(next(numbers))) for scene in sensible if scene is not None)
+
+    return machines
+
+
+sensible_machines = _stiff_enough("machine-{:03d}", MACHINE_DURATION, _machine)
+turning_machines = _stiff_enough("turning-{:02d}", MACHINE_DURATION, _turning, 13)
+heavy_ends = _stiff_enough("heavy-{:03d}", MACHINE_DURATION, _with_heavy_ends, 11)
+combined_machines = _stiff_enough("combined-{:02d}", COMBINED_DURATION, _with_everything, 7)
+braked_machines = _stiff_enough("braked-{:02d}", BRAKED_DURATION, _braked, 11)
+loaded_machines = _stiff_enough("loaded-{:02d}", BRAKED_DURATION, _loaded, 17)
+
+
+def arms_alone(seed: int) -> Iterator[FollowerAlone]:
+    """Arms of `loaded_machines` that a prescribed angle of their base spins up, without end, the same ones for the same seed."""
+    generator = np.random.default_rng([seed, 19])
+    while True:
+        machine = _loaded(generator)
+        follower = machine.follower
+        pace = 3.52 * math.sqrt(follower.bending_stiffness / follower.mass_per_length) / follower.length**2
+        yield FollowerAlone(
+            spin_up=SpinUp(speed=pace * log_uniform(generator, 0.02, 0.5), time=2.0 * math.pi / pace * log_uniform(generator, 1.0, 10.0)),
+            base=machine.base,
+            follower=follower,
+            tip=dataclasses.replace(machine.tip, force=(0.0, 0.0)) if machine.tip else None,
+        )

@@ -42,21 +42,13 @@ _STIFFNESS_CHANGE: Final = 1e-3
 
 @dataclass(frozen=True)
 class Scene:
-    """A scene to simulate from the standard start.
+    """A scene to simulate from the standard start."""
 
-    Attributes:
-        name: says where it was drawn.
-        mechanism: the scene.
-        duration: s, a multiple of `OUTPUT_STEP`.
-        condition: relative change of the tip deflection (RMS over the duration) per relative change of the bending stiffness.
-        largest_deflection: of the tip, m.
-    """
-
-    name: str
-    mechanism: Mechanism
-    duration: float
-    condition: float
-    largest_deflection: float
+    name: str  # says where it was drawn
+    mechanism: Mechanism  # the scene
+    duration: float  # s, a multiple of `OUTPUT_STEP`
+    condition: float  # relative change of the tip deflection (RMS over the duration) per relative change of the bending stiffness
+    largest_deflection: float  # of the tip, m
 
     @property
     def case(self) -> Case:
@@ -76,11 +68,7 @@ def random_scenes(seed: int) -> Iterator[Scene]:
 
 
 def condition_of(mechanism: Mechanism, duration: float, output_step: float = OUTPUT_STEP) -> tuple[float, Trajectory]:
-    """Condition of a scene (see `Scene.condition`) and its motion with few modes.
-
-    Raises:
-        EngineFailure: the motion breaks down.
-    """
+    """Condition of a scene (see `Scene.condition`) and its motion with few modes."""
     stiffness = (1.0 + _STIFFNESS_CHANGE) * mechanism.follower.bending_stiffness
     changed = dataclasses.replace(mechanism, follower=dataclasses.replace(mechanism.follower, bending_stiffness=stiffness))
     engine, start = ReferenceEngine(), standard_start(mechanism)

@@ -15,27 +15,16 @@ COLUMNS: Final = ("scene", "engine", "quantity", "value", "expected", "differenc
 
 @dataclass(frozen=True, kw_only=True)
 class Row:
-    """A value of an engine beside the value expected.
+    """A value of an engine beside the value expected."""
 
-    Attributes:
-        scene: what is computed, in words.
-        engine: name, with the settings that matter.
-        quantity: in words, with its unit.
-        value: the engine's.
-        expected: from elsewhere.
-        scale: size that differences are related to; None: the expected value.
-        tolerance: largest difference over `scale` that the engine's discretization explains.
-        reason: where the tolerance comes from.
-    """
-
-    scene: str
-    engine: str
-    quantity: str
-    value: float
-    expected: float
-    tolerance: float
-    reason: str
-    scale: float | None = None
+    scene: str  # what is computed, in words
+    engine: str  # name, with the settings that matter
+    quantity: str  # in words, with its unit
+    value: float  # the engine's
+    expected: float  # from elsewhere
+    tolerance: float  # largest difference over `scale` that the engine's discretization explains
+    reason: str  # where the tolerance comes from
+    scale: float | None = None  # size that differences are related to; None: the expected value
 
     @property
     def difference(self) -> float:

@@ -22,21 +22,13 @@ NOISE_LIMIT = 200.0  # Hz
 
 @dataclass(frozen=True)
 class SyntheticHalf:
-    """A half cycle made to measure.
+    """A half cycle made to measure."""
 
-    Attributes:
-        time: s, shape (481,).
-        crank_angle: rad, shape (481,).
-        signals: per channel, arbitrary unit, shape (481,).
-        first_mode_frequency: Hz, time mean over the half, of all channels.
-        first_mode_amplitudes: per channel the RMS of the envelope over the half.
-    """
-
-    time: Array
-    crank_angle: Array
-    signals: dict[str, Array]
-    first_mode_frequency: float
-    first_mode_amplitudes: dict[str, float]
+    time: Array  # s, shape (481,)
+    crank_angle: Array  # rad, shape (481,)
+    signals: dict[str, Array]  # per channel, arbitrary unit, shape (481,)
+    first_mode_frequency: float  # Hz, time mean over the half, of all channels
+    first_mode_amplitudes: dict[str, float]  # per channel the RMS of the envelope over the half
 
 
 @dataclass(frozen=True)
@@ -59,16 +51,10 @@ def synthetic_half(
     noise: float = 0.03,
     drift_scale: float = 1.0,
 ) -> SyntheticHalf:
-    """Draw one half cycle.
+    """Draw one half cycle, "pre" or "post".
 
-    Args:
-        scale: of the mechanism.
-        half: "pre" or "post".
-        crank_speed: rad/s, mean.
-        vibration: amplitude of the first mode over the slow part's peak, in every channel.
-        random: source of all that varies.
-        noise: RMS of the noise over the signal's.
-        drift_scale: how many times as far from its mean the first mode's frequency goes as the frozen crank's.
+    `vibration`: amplitude of the first mode over the slow part's peak; `noise`: its RMS over the signal's; `drift_scale`: how many times as
+    far from its mean the first mode's frequency goes as the frozen crank's.
     """
     crank_angle = np.pi * (np.linspace(1.0, 2.0, SAMPLES) + (half == "post"))
     time = _time(crank_angle, crank_speed, random)

@@ -2,7 +2,7 @@
 
 import dataclasses
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +23,7 @@ from quickreturn.engines.relative import rms, scale
 from quickreturn.engines.scene import simulate_scene
 from quickreturn.engines.start import standard_start
 from tests.slices import Portion
-from tests.verification.accuracy_campaign import ACCURACIES, ANSWER, ENGINES, SEED, Row, campaign, library_scenes, main, scene_rows
+from tests.verification.accuracy_campaign import ACCURACIES, ANSWER, ENGINES, SEED, Request, Row, campaign, library_scenes, main, scene_rows
 from tests.verification.claims import MARGIN, deliveries, judged, left_out, summary
 from tests.verification.random_machines import arms_alone, braked_machines, combined_machines, loaded_machines, sensible_machines
 from tests.verification.random_scenes import LARGEST_CONDITION, LARGEST_DEFLECTION, LARGEST_SLIDER_POSITION, Scene, random_scenes
@@ -31,10 +31,8 @@ from tests.verification.row import chapter
 
 #: Scenes that a slice of the long tests computes.
 DRAWN = 3
-#: Number of machines with a braked pivot.
-BRAKED = 60
-#: Number of machines with everything at once, and of arms alone.
-LOADED = 60
+#: Number of machines of a kind, and of arms alone.
+DRAWN_FROM = 60
 #: Others whose claims hold.
 VERIFIED = ("fixed-shapes", "multiplier", "stiff-spring", "derived")
 
@@ -114,20 +112,20 @@ def test_claims_hold(record_property: Callable[[str, object], None], portion: Po
 
 
 @pytest.mark.verify
-def test_claims_hold_where_the_pivot_is_braked(portion: Portion) -> None:
-    """A moment at the base, and gauges near both ends: what natural modes describe worst."""
-    requests = tuple(("reference", accuracy) for accuracy in (None, 1e-2, 1e-4))
-    scenes = portion(list(itertools.islice(braked_machines(SEED), BRAKED)), DRAWN)
-    table, broken = campaign([(scene, requests) for scene in scenes], Workshop(Store()))
-    assert not broken
-    check(table, whole=len(scenes) > DRAWN)
-
-
-@pytest.mark.verify
-def test_claims_hold_where_everything_acts_at_once(portion: Portion) -> None:
-    """A drive that works against a load, strong material damping, free ends, tip bodies inside the end, gauges near both ends."""
-    requests = (*(("reference", accuracy) for accuracy in (None, 1e-2, 1e-4)), ("exudyn", None), ("exudyn", 1e-2), ("mujoco", 1e-2))
-    scenes = portion(list(itertools.islice(loaded_machines(SEED), LOADED)), DRAWN)
+@pytest.mark.parametrize(
+    ("machines", "others"),
+    [
+        pytest.param(
+            braked_machines, (), id="braked"
+        ),  # a moment at the base, and gauges near both ends: what natural modes describe worst
+        pytest.param(loaded_machines, (("exudyn", None), ("exudyn", 1e-2), ("mujoco", 1e-2)), id="loaded"),  # everything at once
+    ],
+)
+def test_claims_hold_on_machines_of_a_kind(
+    machines: Callable[[int], Iterator[Scene]], others: tuple[Request, ...], portion: Portion
+) -> None:
+    requests = (*(("reference", accuracy) for accuracy in (None, 1e-2, 1e-4)), *others)
+    scenes = portion(list(itertools.islice(machines(SEED), DRAWN_FROM)), DRAWN)
     table, broken = campaign([(scene, requests) for scene in scenes], Workshop(Store()))
     assert not broken
     check(table, whole=len(scenes) > DRAWN)
@@ -136,7 +134,7 @@ def test_claims_hold_where_everything_acts_at_once(portion: Portion) -> None:
 @pytest.mark.verify
 def test_claims_hold_for_arms_alone(portion: Portion) -> None:
     """Arms that their base spins up, with all that acts on them, against `reference` with eleven modes; in every column with a claim."""
-    for scene in portion(list(itertools.islice(arms_alone(SEED), LOADED)), DRAWN):
+    for scene in portion(list(itertools.islice(arms_alone(SEED), DRAWN_FROM)), DRAWN):
         duration = 2.0 * scene.spin_up.time
         step = duration / 400.0
         truth, less = (
@@ -175,20 +173,9 @@ def _full() -> list[tuple[Scene, tuple[tuple[str, float | None], ...]]]:
 
 
 def row(**changes: object) -> Row:
-    known = Row(
-        scene="a",
-        condition=1.0,
-        engine="reference",
-        asked="0.01",
-        column="strain_1",
-        claim=8e-3,
-        error=4e-3,
-        reached=True,
-        truth_error=1e-5,
-        confirmation=2e-3,
-        confirmed_by="mujoco",
-    )
-    return dataclasses.replace(known, **changes)  # type: ignore[arg-type]
+    about = {"scene": "a", "condition": 1.0, "engine": "reference", "asked": "0.01", "column": "strain_1", "confirmed_by": "mujoco"}
+    found = {"claim": 8e-3, "error": 4e-3, "reached": True, "truth_error": 1e-5, "confirmation": 2e-3}
+    return Row(**(about | found | changes))  # type: ignore[arg-type]
 
 
 def as_table(*rows: Row) -> pd.DataFrame:
@@ -260,15 +247,6 @@ def test_command_line_writes_what_it_computed_and_continues(
     monkeypatch.setattr(LocalProcesses, "run", lambda _, jobs, *__: (pytest.fail("computed again") for _ in jobs))
     assert main(arguments) == 0
     assert (tmp_path / "a.csv").read_bytes() == first
-
-
-def test_campaign_without_any_row_has_an_empty_table(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(Workshop, "outcomes", lambda *_: [Outcome(Job("a", scene_rows), [])])
-    table, broken = campaign([], Workshop(Store(tmp_path)))
-    assert broken == ["a: no truth"]
-    assert table.empty
-    assert summary(table).empty
-    assert left_out(table).empty
 
 
 def test_chapter_has_a_value_per_column() -> None:

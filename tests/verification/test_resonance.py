@@ -71,7 +71,6 @@ def test_a_march_from_a_neighbouring_speed_settles_on_the_curve(engine: str, acc
     for _ in range(CYCLES):
         columns = simulation.advance(turn, turn / STEPS)
     found = float(np.max(np.abs(columns["tip_acceleration"])))
-    print(engine, rpm, way, found, peak(family, goal), found / peak(family, goal) - 1.0)
     assert found == pytest.approx(peak(family, goal), rel=apart)
 
 

@@ -23,6 +23,7 @@ from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.mujoco.settings import ChainSettings
 from quickreturn.engines.own.reference import ReferenceSettings
 from quickreturn.engines.registry import usable_engine
+from quickreturn.engines.relative import rms
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import Columns
@@ -64,10 +65,6 @@ SCENES: Final = {
 
 def motion(engine: str, scene: Mechanism, start: Start, settings: Settings, duration: float, step: float) -> Columns:
     return usable_engine(engine).prepare(scene, start, settings).advance(duration, step).columns
-
-
-def rms(values: Array) -> float:
-    return float(np.sqrt(np.mean(values**2)))
 
 
 @cache

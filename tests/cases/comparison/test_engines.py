@@ -1,7 +1,6 @@
 """Claims held against each other, on made-up results: whom against whom, with what tolerance, and how good each is."""
 
 import math
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,7 @@ from quickreturn.cases.motion.cycle import ChannelMeasures
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.request import Run
 from quickreturn.cases.motion.time_scale import CHANNELS
-from tests.changed_run import changed_run
+from tests.changed_run import changed_run, measured
 
 CASE = load_case("thesis-24")
 PEAK = 2.0
@@ -29,25 +28,11 @@ def run(
     settled = status in (Ending.SETTLED, Ending.INACCURATE)
 
     def measure(half: str, channel: str) -> ChannelMeasures:
-        found = ChannelMeasures(
-            half=half,
-            channel=channel,
-            first_mode_frequency=17.0 * (1.0 + off),
-            first_mode_frequency_uncertainty=0.1,
-            first_mode_frequency_estimate=17.0 * claimed,
-            first_mode_amplitude=1.0 + off,
-            first_mode_amplitude_uncertainty=0.03,
-            first_mode_amplitude_estimate=claimed,
-            second_mode_frequency=None,
-            minimum=-PEAK * (1.0 + off),
-            minimum_estimate=PEAK * claimed,
-            minimum_uncertainty=0.0,
-            maximum=PEAK * (1.0 + off),
-            maximum_uncertainty=0.0,
-            maximum_estimate=PEAK * claimed,
-            reason="",
-        )
-        return replace(found, **changes)
+        values: dict[str, Any] = {"minimum": -PEAK * (1.0 + off), "minimum_estimate": PEAK * claimed}
+        values |= {"maximum": PEAK * (1.0 + off), "maximum_estimate": PEAK * claimed}
+        for name, size, uncertainty in (("first_mode_frequency", 17.0, 0.1), ("first_mode_amplitude", 1.0, 0.03)):
+            values |= {name: size * (1.0 + off), f"{name}_uncertainty": uncertainty, f"{name}_estimate": size * claimed}
+        return measured(half, channel, **(values | changes))
 
     halves = ("pre", "post") if settled else ()
     return changed_run(

@@ -105,7 +105,6 @@ def test_noise_is_no_disagreement(transient: pd.DataFrame, in_turn_5: Run, recor
     assert result.passed is True, result.missed
     # and it is not bought with a tolerance that lets everything pass: an extreme may be off by some five times the noise
     for name in COLUMNS[3:]:
-        assert run.approach.settling_errors is not None
         assert 3.0 < run.approach.settling_errors[name] / (share * transient[name].std()) < 6.0
 
 
@@ -338,17 +337,13 @@ def test_without_a_crank_angle_the_crank_is_taken_to_turn_evenly(transient: pd.D
     assert "16.617" in run.remark
     assert run.approach.turn == 5
     alone, whole = (found.measure("post", "strain_2") for found in (run, in_turn_5))
-    assert alone is not None
-    assert whole is not None
     assert alone.first_mode_frequency == pytest.approx(whole.first_mode_frequency, rel=0.01)  # the crank's speed varies by 2.5 %
 
 
 def test_rows_too_far_apart_for_the_first_mode(transient: pd.DataFrame, recorded: Recorded) -> None:
     stiff = load_case("thesis-24", {"follower.bending_stiffness": "100000 N*m^2"})
     run = recorded(transient)
-    assert run.recording is not None
     found = recorded_run(read_table(run.recording.path), stiff).measure("pre", "strain_2")
-    assert found is not None
     assert found.first_mode_frequency is None
     assert "rows lie up to" in found.reason
 
@@ -365,7 +360,6 @@ def test_encoders_with_steps(transient: pd.DataFrame, in_turn_5: Run, recorded: 
     step = np.radians(degrees)
     run = recorded(transient, crank_angle=step * np.floor(transient["crank_angle"] / step))
     ours = run.measure("pre", "tip_acceleration")
-    assert ours is not None
     assert in_turn_5.consensus_frequency("pre") == pytest.approx(ours.first_mode_frequency, rel=0.02)
 
 
@@ -392,8 +386,6 @@ def test_a_wrapped_crank_angle_is_that_of_the_same_turn(transient: pd.DataFrame,
     wrapped = recorded(transient, crank_angle=lambda t: (t["crank_angle"] - least) % (2.0 * np.pi) + least)
     plain = recorded(transient)
     assert wrapped.approach.turn == plain.approach.turn == 5
-    assert plain.cycle is not None
-    assert wrapped.cycle is not None
     np.testing.assert_allclose(wrapped.cycle["crank_angle"], plain.cycle["crank_angle"], rtol=1e-12)
 
 

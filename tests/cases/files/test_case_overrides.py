@@ -1,5 +1,7 @@
 """Changes of a case from outside its file."""
 
+import re
+
 import pytest
 
 from quickreturn.cases.files.case import Case, parse_case
@@ -34,64 +36,30 @@ def test_an_override_can_exchange_the_crank_drive_as_a_whole() -> None:
 
 
 @pytest.mark.parametrize(
-    ("overrides", "expected"),
+    ("overrides", "key", "word"),
     [
-        ({"crank.lenght": "4 in"}, 'overrides: crank.lenght: "4 in" belongs to an unknown key; the nearest known one is crank.length'),
-        (
-            {"pivot_distance": "4 in"},
-            'overrides: pivot_distance: "4 in" belongs to an unknown key; the nearest known one is mechanism.pivot_distance',
-        ),
-        ({"slider.damping": "2 N*s/m"}, "the nearest known one is"),
-        ({"name": "x"}, 'overrides: name: "x" cannot be set; only quantities can, such as crank.torque'),
-        ({"crank.length": "4 kg"}, 'overrides: crank.length: "4 kg" is a mass (kg), but a length is needed'),
-        (
-            {"follower.length": "21 in"},
-            'overrides: follower.length: "21 in" cannot be: the slider leaves the follower: pivot_distance + crank.length = 0.5588 m'
-            " must not exceed follower.length = 0.5334 m",
-        ),
-        (
-            {"follower.length": "15 in"},
-            'overrides: follower.length: "15 in" does not fit: follower.strain_gauges leaves the strain gauge at 0.47625 m outside the'
-            " follower; its length is 0.381 m",
-        ),
-        (
-            {"follower.notch_places": ["0 mm"]},
-            'follower.notch_places: ["0 mm"] does not fit: follower.notch_factors has 0 values, and follower.notch_places 1; give one',
-        ),
-        (
-            {"simulation.output_step": "0.3 s"},
-            'overrides: simulation.output_step: "0.3 s" gives 6.66667 output steps (duration 2 s, output step 0.3 s); ',
-        ),
-        (
-            {"mechanism.gravity": "9.81 m/s^2"},
-            'overrides: mechanism.gravity: "9.81 m/s^2" is not a list of 2 strings (gravity: along n1 and n2, on every body); write one'
-            ' such as ["2 in/s^2", "2 in/s^2"]',  # as the file has it
-        ),
-        (
-            {"follower.notch_factors": "1.8"},
-            'overrides: follower.notch_factors: "1.8" is not a list of strings (notch factors: fatigue notch factor at each of them, on the'
-            ' stress amplitude); write one such as ["1.5", "1.5"]',
-        ),
-        (
-            {"follower.notch_factors": '["180 percent"]'},
-            'overrides: follower.notch_factors: "180 percent" is not a pure number; write one plain number without a unit, such as "1.5"',
-        ),
-        (
-            {"crank.wanted_fluctuation": "2 %"},
-            '"2 %" is not a pure number; write one plain number without a unit',
-        ),
-        ({"follower.wall_thickness": "2 mm"}, "belongs to an unknown key; the nearest known one is follower.wall"),
-        (
-            {"crank.prescribed_speed": "9 rad/s", "crank.damping": "0 N*m*s"},
-            'overrides: crank.prescribed_speed: "9 rad/s" conflicts with crank.damping; give either',
-        ),
+        ({"crank.lenght": "4 in"}, "crank.lenght", "crank.length"),
+        ({"pivot_distance": "4 in"}, "pivot_distance", "mechanism.pivot_distance"),
+        ({"slider.damping": "2 N*s/m"}, "slider.damping", "nearest"),
+        ({"name": "x"}, "name", "cannot be set"),
+        ({"crank.length": "4 kg"}, "crank.length", "a length is needed"),
+        ({"follower.length": "21 in"}, "follower.length", "pivot_distance + crank.length = 0.5588 m"),
+        ({"follower.length": "15 in"}, "follower.length", "the strain gauge at 0.47625 m outside"),
+        ({"follower.notch_places": ["0 mm"]}, "follower.notch_places", "follower.notch_factors has 0 values"),
+        ({"simulation.output_step": "0.3 s"}, "simulation.output_step", "6.66667 output steps"),
+        ({"mechanism.gravity": "9.81 m/s^2"}, "mechanism.gravity", '["2 in/s^2", "2 in/s^2"]'),  # in the unit of the file
+        ({"follower.notch_factors": "1.8"}, "follower.notch_factors", "a list of strings"),
+        ({"follower.notch_factors": '["180 percent"]'}, "follower.notch_factors", "not a pure number"),
+        ({"crank.wanted_fluctuation": "2 %"}, "crank.wanted_fluctuation", "not a pure number"),
+        ({"follower.wall_thickness": "2 mm"}, "follower.wall_thickness", "follower.wall"),
+        ({"crank.prescribed_speed": "9 rad/s", "crank.damping": "0 N*m*s"}, "crank.prescribed_speed", "crank.damping"),
     ],
     ids=str,
 )
-def test_a_mistaken_override_is_told_like_one_in_a_file(overrides: dict[str, str], expected: str) -> None:
-    with pytest.raises(CaseError) as refused:
+def test_a_mistaken_override_is_told_like_one_in_a_file(overrides: dict[str, str], key: str, word: str) -> None:
+    with pytest.raises(CaseError, match=rf"^overrides: {re.escape(key)}: ") as refused:
         parse_case(SCENE, "scene.toml", overrides)
-    assert expected in str(refused.value)
+    assert word in str(refused.value)
 
 
 def test_the_example_in_a_message_has_the_units_of_the_file() -> None:

@@ -21,7 +21,7 @@ from quickreturn.engines.own.reference import ReferenceEngine
 from quickreturn.plugins.studies.resonance_curve.range import range_of
 from quickreturn.plugins.studies.resonance_curve.search import checked_scenes, job
 from quickreturn.plugins.studies.sweep.grid import OF_START, Grid, axis, scenes_of
-from quickreturn.plugins.studies.sweep.rows import Impossible, MeasureRequest
+from quickreturn.plugins.studies.sweep.rows import MeasureRequest
 from quickreturn.plugins.studies.uncertainty.calibration import Search, frees_of
 from quickreturn.plugins.studies.uncertainty.parameters import Parameter, changes
 from quickreturn.plugins.studies.uncertainty.propagation import planned
@@ -45,7 +45,6 @@ FILES = {
 KEYS = [path for path, about in PATHS.items() if about.count is None and about.moves and path not in OF_START and "spin_up" not in path]
 OTHER = {dimension.si_unit: other for dimension in DIMENSIONS.values() for other in dimension.examples if other != dimension.si_unit}
 VALUES = {"crank.prescribed_speed": 11.0, "follower.elastic_modulus": 6.9e10, "follower.density": 2500.0}
-
 
 #: Keys of lists, with values; the SI value of the second text is that of the first one.
 LISTS = {
@@ -182,17 +181,13 @@ def test_an_effect_of_the_thesis_is_the_case_file_with_its_values() -> None:
 def test_a_mistake_in_a_change_shows_the_value_as_it_was_given() -> None:
     case = parse_case(FILES["material"], "scene.toml")
     (swept,) = scenes_of(case, [Grid(case, (axis("crank.length = 20.0 in"),)).changes((0,))])
-    assert isinstance(swept, Impossible)
     assert swept.sentence.startswith('crank.length: "20.0 in" cannot be: the slider leaves the follower')
     for changed, told in (
         ({"crank.length": 0.508}, 'scene: crank.length: "0.508 m" cannot be: the slider leaves the follower'),
         ({"tip.mass": -1e-3}, 'scene: tip.mass: "-0.001 kg" is negative; a mass of zero or more is accepted'),
         ({"tip.mass": 1e99}, 'scene: tip.mass: "1e+99 kg" is out of range; magnitudes from 1e-60 to 1e+60'),
         ({"tip.mass": math.inf}, 'scene: tip.mass: "inf" is out of range; magnitudes from 1e-60 to 1e+60'),
-        (
-            {"follower.bending_stiffness": 2.0, "follower.elastic_modulus": 1e9},
-            'elastic_modulus: "1000000000 Pa" conflicts',
-        ),
+        ({"follower.bending_stiffness": 2.0, "follower.elastic_modulus": 1e9}, 'elastic_modulus: "1000000000 Pa" conflicts'),
         ({"crank.prescribed_speed": 0.1, "crank.damping": 1.0}, 'prescribed_speed: "0.1 rad/s" conflicts with crank.damping; give either'),
     ):
         with pytest.raises(CaseError, match=re.escape(told)):

@@ -36,7 +36,6 @@ def loaded(folder: Path, table: str | None = TABLE, text: str = WITH_TABLE) -> M
 
 def test_a_table_beside_the_case_file_arrives_in_si(tmp_path: Path) -> None:
     table = loaded(tmp_path).tip_body.force_table
-    assert table is not None
     assert table == ForceTable(table.angles, (1e3, 3e3, -5e3, 7e3), (2.0, 4.0, 6.0, -8.0))
     assert table.angles == pytest.approx((0.0, 0.5 * math.pi, math.pi, 1.5 * math.pi), abs=1e-15)
     assert (table.follows, table.file) == (False, "cutting.csv")
@@ -165,7 +164,6 @@ def test_another_tool_is_told_the_table() -> None:
     text = for_other_tools(library_case("shaper-chips"), "shaper-chips")
     rows = np.array([[float(each) for each in row] for row in re.findall(r"^  (\S+), (\S+), (\S+)$", text, re.MULTILINE)])
     table = library_case("shaper-chips").mechanism.tip_body.force_table
-    assert table is not None
     np.testing.assert_array_equal(rows[-24:], np.array([table.angles, table.first, table.second]).T)
     assert "Fritsch and Butland" in " ".join(text.split())
     assert "- tip.friction_force x tanh(|v| / tip.friction_speed) v / |v|" in " ".join(text.split())

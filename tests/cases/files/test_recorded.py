@@ -1,6 +1,5 @@
 """Recorded tables are read as they declare themselves, and what cannot be read is told with place, value and what is accepted."""
 
-import math
 from pathlib import Path
 from typing import Any
 
@@ -116,23 +115,6 @@ def test_what_cannot_be_read_is_told(tmp_path: Path, text: str, words: list[str]
         assert word in told
 
 
-@pytest.mark.parametrize(
-    ("columns", "told"),
-    [
-        ({"time": [0.0, 1.0, 2.0], "crank_angle": [1.0, math.nan, 2.0]}, "row 1, crank_angle: nan is no plain number"),
-        ({"time": [0.0, -1.0, 1.0], "crank_angle": [1.0, 2.0, 3.0]}, "row 1, time: -1 does not rise"),
-        ({"time": [0.0, 1.0, "later"], "crank_angle": [1.0, 2.0, 3.0]}, 'row 2, time: "later" is no plain number'),
-        ({"time": [0.0, 1.0], "crank_angle": [1.0]}, "crank_angle: has the shape (1,)"),
-        ({"time": [0.0, 1.0], "crank_angel": [1.0, 2.0]}, 'heading: "crank_angel" (nearest: crank_angle) is no column'),
-    ],
-)
-def test_a_mistake_in_memory_is_named(columns: dict[str, list[Any]], told: str) -> None:
-    with pytest.raises(CaseError) as refused:
-        table_of(columns)
-    assert str(refused.value).startswith(f"table: {told}")
-    assert "\n" not in str(refused.value)
-
-
 def test_foreign_columns_in_memory_are_ignored_as_those_of_a_file() -> None:
     table = table_of({"time [ms]": [0.0, 1.0], "tip_x": [1.0, 2.0], "world.g": [9.8, 9.8]})
     assert table.told == "read as: ignored: world.g, 2 rows"
@@ -190,22 +172,6 @@ def test_the_decimal_sign_that_is_declared_is_used(tmp_path: Path) -> None:
     assert read_table(path, decimal=",").columns["tip_x"][1] == pytest.approx(1.234, rel=1e-15)
     with pytest.raises(CaseError, match='line 3, tip_x: "1,234" is no plain number'):
         read_table(path, decimal=".")
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        ({"decimal": ";"}, ["decimal", '";"', '"." or ","']),
-        ({"separator": "tabs"}, ["separator", '"tabs"', '"tab"', '";"']),
-        ({"skip": -1}, ["skip", "-1", "whole number"]),
-        ({"columns": None}, ["columns", "None", "is not a text"]),
-    ],
-)
-def test_arguments_that_cannot_be_are_told(tmp_path: Path, arguments: dict[str, Any], words: list[str]) -> None:
-    with pytest.raises(CaseError) as told:
-        read_table(written(tmp_path, "time,tip_x\n0,1\n"), **arguments)
-    for word in words:
-        assert word in str(told.value)
 
 
 @pytest.mark.parametrize("path", [None, {"time": [0.0]}, 3, b"tool.csv"])
@@ -300,11 +266,6 @@ def test_a_heading_in_a_unit_of_another_quantity_is_foreign_and_no_misspelling(t
     table = read_table(written(tmp_path, text), ["acc = tip_acceleration"])
     assert "ignored: Linear Acceleration x (m/s^2)" in table.told
     np.testing.assert_array_equal(table.columns["tip_acceleration"], [2.0])
-
-
-@pytest.mark.parametrize("columns", [{"b": "tip_x"}, ["b = tip_x"], "b = tip_x"])
-def test_columns_are_given_as_a_text_as_texts_or_as_a_dictionary(tmp_path: Path, columns: Any) -> None:
-    np.testing.assert_array_equal(read_table(written(tmp_path, "time,b\n0,5\n"), columns).columns["tip_x"], [5.0])
 
 
 @pytest.mark.parametrize("comment", ["#Exudyn version = 1.13.6; Python3.11.2", "# orgin = x", "% source: a rig"])

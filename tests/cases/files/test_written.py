@@ -17,8 +17,6 @@ from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Spin
 from quickreturn.reference_model.scene_values import SPIN_UP
 from tests.strategies import scenes
 
-COMMENTED = re.compile(r'^# (\w+) = (".*?"|\[.*?\])', re.MULTILINE)
-
 
 def same(ours: Case, theirs: Case) -> bool:
     """Whether two cases are equal to the last bit in everything but where they are from."""

@@ -19,23 +19,10 @@ AMPLITUDE = 4.0  # of the slow part's RMS over a turn: about as large as the slo
 
 def numbers(measures: CycleMeasures) -> np.ndarray:
     """All numbers of the measures, NaN where not resolvable, shape (measures, 7)."""
-    return np.array(
-        [
-            [
-                math.nan if value is None else value
-                for value in (
-                    m.first_mode_frequency,
-                    m.first_mode_frequency_uncertainty,
-                    m.second_mode_frequency,
-                    m.first_mode_amplitude,
-                    m.first_mode_amplitude_uncertainty,
-                    m.minimum,
-                    m.maximum,
-                )
-            ]
-            for m in measures.measures
-        ]
-    )
+    first = [f"first_mode_{name}" for name in ("frequency", "frequency_uncertainty", "amplitude", "amplitude_uncertainty")]
+    names = (*first[:2], "second_mode_frequency", *first[2:], "minimum", "maximum")
+    found = [[getattr(each, name) for name in names] for each in measures.measures]
+    return np.array(found, dtype=float)  # of None it makes NaN
 
 
 @pytest.fixture(scope="module")
@@ -117,26 +104,18 @@ def test_smooth_extremes_are_hardly_uncertain() -> None:
         assert abs(extreme.value - true) < extreme.uncertainty < 0.02
 
 
-def test_a_later_time_changes_nothing(plain: CycleMeasures) -> None:
+@pytest.mark.parametrize(
+    ("later", "sense", "unit"), [(12.5, 1.0, 1.0), (0.0, 1.0, 1e-6), (0.0, -1.0, 1.0)], ids=["later", "unit", "other sense"]
+)
+def test_neither_the_time_nor_the_unit_nor_the_sense_of_rotation_matters(
+    plain: CycleMeasures, later: float, sense: float, unit: float
+) -> None:
     scale, speed = scale_of_run(24)
     time, crank_angle, channels = vibrating_cycle(scale, speed, FACTOR, AMPLITUDE)
-    later = measure_cycle(scale, time + 12.5, crank_angle + 40.0 * np.pi, channels)
-    assert numbers(later) == pytest.approx(numbers(plain), rel=1e-5, nan_ok=True)  # the fit stops at steps of 1e-5
-
-
-def test_unit_scales_amplitudes_and_extremes_alone(plain: CycleMeasures) -> None:
-    scale, speed = scale_of_run(24)
-    time, crank_angle, channels = vibrating_cycle(scale, speed, FACTOR, AMPLITUDE)
-    scaled = measure_cycle(scale, time, crank_angle, {name: 1e-6 * values for name, values in channels.items()})
-    factors = np.array([1.0, 1.0, 1.0, 1e-6, 1e-6, 1e-6, 1e-6])
-    assert numbers(scaled) == pytest.approx(numbers(plain) * factors, rel=1e-5, nan_ok=True)  # as above
-
-
-def test_direction_of_rotation_does_not_matter(plain: CycleMeasures) -> None:
-    scale, speed = scale_of_run(24)
-    time, crank_angle, channels = vibrating_cycle(scale, speed, FACTOR, AMPLITUDE)
-    reversed_rotation = measure_cycle(scale, time, -crank_angle, channels)
-    assert numbers(reversed_rotation) == pytest.approx(numbers(plain), rel=1e-5, nan_ok=True)  # as above
+    angle = sense * crank_angle + (40.0 * np.pi if later else 0.0)
+    found = measure_cycle(scale, time + later, angle, {name: unit * values for name, values in channels.items()})
+    # of amplitudes and extremes alone the unit is a factor; the fit stops at steps of 1e-5
+    assert numbers(found) == pytest.approx(numbers(plain) * np.array([1.0] * 3 + [unit] * 4), rel=1e-5, nan_ok=True)
 
 
 def test_uneven_samples_give_the_same(plain: CycleMeasures) -> None:

@@ -25,7 +25,6 @@ def problems() -> list[Problem]:
         mechanism = load_case(name).mechanism
         scale, settings = time_scale(mechanism), ReferenceSettings(modes=5, tolerance=1e-6)
         steady = ReferenceEngine().steady_state(mechanism, standard_start(mechanism), settings)
-        assert scale is not None
         assert steady is not None
         cycle, _ = periodic_cycle(steady, output_step(mechanism))
         angle = CubicSpline(cycle.time, cycle.crank_angle)

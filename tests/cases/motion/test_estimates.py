@@ -1,5 +1,7 @@
 """Estimates of measures, on pairs of runs whose errors are known."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,7 @@ from quickreturn.cases.motion.cycle import ChannelMeasures, CycleMeasures
 from quickreturn.cases.motion.estimates import HalfSignal, MeasuredCycle, mean_estimate, turn_estimates, with_estimates
 from quickreturn.cases.motion.time_scale import CHANNELS
 from quickreturn.engines.error_parts import LEAST_FACTOR, Compared
+from tests.changed_run import UNRESOLVED, measured
 
 GRID = 360  # crank angles in a half
 ANGLES = np.linspace(0.0, 2.0 * np.pi, 401)
@@ -17,21 +20,10 @@ def measures(error: float = 0.0, resolved: tuple[str, ...] = CHANNELS) -> CycleM
     """All numbers of all channels off by a multiple of `error` that tells them apart."""
 
     def of(half: str, channel: str) -> ChannelMeasures:
-        known = channel in resolved
-        return ChannelMeasures(
-            half=half,
-            channel=channel,
-            first_mode_frequency=17.0 + error if known else None,
-            first_mode_frequency_uncertainty=(0.1 if channel == "strain_1" else 0.2) if known else None,
-            first_mode_amplitude=2.0 + 2.0 * error if known else None,
-            first_mode_amplitude_uncertainty=0.1 if known else None,
-            second_mode_frequency=None,
-            minimum=-5.0 + 3.0 * error,
-            minimum_uncertainty=0.0,
-            maximum=5.0 + 4.0 * error,
-            maximum_uncertainty=0.0,
-            reason="",
-        )
+        mode: dict[str, Any] = {"first_mode_frequency": 17.0 + error, "first_mode_amplitude": 2.0 + 2.0 * error}
+        mode |= {"first_mode_frequency_uncertainty": 0.1 if channel == "strain_1" else 0.2, "first_mode_amplitude_uncertainty": 0.1}
+        known = mode if channel in resolved else UNRESOLVED
+        return measured(half, channel, **known, minimum=-5.0 + 3.0 * error, maximum=5.0 + 4.0 * error)
 
     found = tuple(of(half, channel) for half in ("pre", "post") for channel in CHANNELS)
     return CycleMeasures(found, tuple(Consensus(half, 17.0 + error if resolved else None, 0.1) for half in ("pre", "post")))
@@ -106,9 +98,7 @@ def test_without_pairs_there_are_no_estimates() -> None:
 
 def test_a_mean_is_off_by_at_most_the_mean_of_what_its_channels_are_off_by() -> None:
     def row(half: str, channel: str, uncertainty: float | None, estimate: float | None) -> ChannelMeasures:
-        return ChannelMeasures(
-            half, channel, 17.0, uncertainty, None, None, None, -1.0, 0.0, 1.0, 0.0, "", first_mode_frequency_estimate=estimate
-        )
+        return measured(half, channel, first_mode_frequency_uncertainty=uncertainty, first_mode_frequency_estimate=estimate)
 
     rows = [row("pre", "strain_1", 0.1, 0.3), row("pre", "strain_2", 0.2, 0.8), row("post", "strain_2", 0.2, 9.0)]
     rows.append(row("pre", "strain_3", None, None))

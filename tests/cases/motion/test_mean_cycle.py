@@ -8,24 +8,14 @@ import pytest
 
 from quickreturn.cases.motion.cycle import ChannelMeasures, CycleMeasures
 from quickreturn.cases.motion.marching import AVERAGED, BOUND, GROUPS, mean_measures, standard_error
+from tests.changed_run import UNRESOLVED, measured
 
 
 def measure(frequency: float | None = 17.0, maximum: float = 5.0) -> ChannelMeasures:
-    known = frequency is not None
-    return ChannelMeasures(
-        half="pre",
-        channel="strain_1",
-        first_mode_frequency=frequency,
-        first_mode_frequency_uncertainty=0.3 if known else None,
-        first_mode_amplitude=2.0 if known else None,
-        first_mode_amplitude_uncertainty=0.1 if known else None,
-        second_mode_frequency=None,
-        minimum=-5.0,
-        minimum_uncertainty=0.2,
-        maximum=maximum,
-        maximum_uncertainty=0.1,
-        reason="" if known else "too weak",
-    )
+    mode = {"first_mode_frequency": frequency, "first_mode_frequency_uncertainty": 0.3}
+    mode |= {"first_mode_amplitude": 2.0, "first_mode_amplitude_uncertainty": 0.1}
+    known = mode if frequency is not None else UNRESOLVED | {"reason": "too weak"}
+    return measured(**known, minimum_uncertainty=0.2, maximum=maximum, maximum_uncertainty=0.1)
 
 
 def mean(*found: ChannelMeasures) -> ChannelMeasures:

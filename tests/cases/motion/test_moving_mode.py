@@ -29,7 +29,6 @@ def coupling(mechanism: Mechanism, s: float) -> np.ndarray:
         (ahead.deflection(places, nu)[0] - behind.deflection(places, nu)[0]) / (2.0 * step) for places, nu in ((x, 0), (ends, 1), (ends, 0))
     )
     slopes, tip = here.deflection(ends, 1), mechanism.tip
-    assert tip is not None
     found = mechanism.follower.mass_per_length * here.deflection(x) @ (w * change)
     found += mechanism.base.inertia * slopes[:, 0] * turn[0] + tip.inertia * slopes[:, 1] * turn[1]
     found += tip.mass * (here.tip_displacement + tip.center_of_mass * slopes[:, 1]) * (tip_change[1] + tip.center_of_mass * turn[1])

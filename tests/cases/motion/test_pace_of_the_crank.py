@@ -61,7 +61,6 @@ def test_a_run_whose_crank_stalls_says_so() -> None:
     run = steady_state(RunRequest(mechanism=scene.mechanism, duration=0.5, engine="reference"))
     assert run.status == Ending.FAILED
     assert "the crank stands still or turns back" in run.remark
-    assert run.computation.solve_seconds is not None
     assert run.computation.solve_seconds > 0.0
 
 

@@ -11,7 +11,6 @@ from quickreturn.cases.motion.settling import Cycle, Settling, cut_cycles
 
 ANGLES = np.linspace(0.0, 2.0 * np.pi, 301)
 
-
 PERIOD = 0.6  # s
 
 
@@ -187,7 +186,6 @@ def test_noise_that_does_not_die_away_is_told_with_the_cycle_since_which(seed: i
     outlook = settling.outlook
     assert outlook.ratio is None
     assert outlook.cycles_needed is None
-    assert outlook.stalled_since is not None
     assert 6 <= outlook.stalled_since <= 14
     assert f"since cycle {outlook.stalled_since}" in outlook.sentence()
     assert "try finer settings" in outlook.sentence()
@@ -205,11 +203,6 @@ def test_noise_is_what_is_left_where_the_multiplier_is_known(seed: int, multipli
     assert settles(settling, distances)
     assert settling.cycles < 10
     assert settling.errors["strain_1"] > abs(distances[settling.cycles - 1])
-
-
-def test_noise_of_an_unstable_motion_never_settles() -> None:
-    settling = Settling(multiplier=1.01)
-    assert not settles(settling, [1e-5 * (-1.0) ** n for n in range(60)])
 
 
 def test_few_cycles_promise_nothing() -> None:

@@ -79,7 +79,6 @@ def pushed(model: BeamModel, state: Array, push: Array) -> Array:
 def modal_coordinate(mechanism: Mechanism, model: BeamModel, shapes: ShapeSet, plus: Array, minus: Array) -> tuple[Array, Array]:
     """First modal coordinate of the difference of two motions, and the mode's angular frequency, each of shape (rows,)."""
     tip, count = mechanism.tip, shapes.count
-    assert tip is not None
     x, weights = np.linspace(0.0, mechanism.follower.length, 201), np.full(201, mechanism.follower.length / 200)
     weights[[0, -1]] /= 2.0
     deflections, end_slopes = shapes.evaluate(x), shapes.evaluate(x[-1:], 1)[0]
@@ -129,10 +128,7 @@ def test_consensus_is_the_frequency_of_a_small_free_vibration(
     edges = CubicSpline(at, phase)(np.clip([cycle.time[0], middle, cycle.time[-1]], at[0], at[-1]))
     truth = np.diff(edges) / (2.0 * np.pi) / np.diff([cycle.time[0], middle, cycle.time[-1]])
     steady = steady_vibration(mechanism)
-    assert steady is not None
     for agreed, frequency, other in zip(measures.consensus, truth, steady.truth, strict=True):
-        assert agreed.first_mode_frequency is not None
-        assert agreed.uncertainty is not None
         assert abs(agreed.first_mode_frequency - frequency) <= 2.0 * agreed.uncertainty
         assert agreed.uncertainty < 0.015 * frequency
         # both truths, from models of unlike shapes, one motion settled, the other nearly: one launch phase scatters by 0.04 %
@@ -185,7 +181,6 @@ def test_time_scale_of_the_moving_mechanism_is_that_of_a_small_vibration(vibrati
     for number in (4, 8, 10, 24):
         steady = vibrations[number]
         scale = time_scale(load_case(f"thesis-{number:02d}").mechanism)
-        assert scale is not None
         angle = CubicSpline(steady.cycle.time, steady.cycle.crank_angle)
         middle = float(CubicSpline(steady.cycle.crank_angle, steady.cycle.time)(steady.cycle.crank_angle[0] + np.pi))
         for start, end, truth in zip((steady.cycle.time[0], middle), (middle, steady.cycle.time[-1]), steady.truth, strict=True):

@@ -21,7 +21,6 @@ ONES = np.ones((61, 4))  # the modes' signs: tip displacements positive, which i
 
 def test_frequencies_between_the_tabulated_angles() -> None:
     scale = time_scale(RUN_24)
-    assert scale is not None
     for angle in (0.123, 1.777, 3.0, 4.4, 100.0):
         exact = frozen_crank_modes(RUN_24, angle, 3).frequencies
         assert scale.frequencies(angle) == pytest.approx(exact, rel=1e-6)  # cubic interpolation over 1°
@@ -31,8 +30,6 @@ def test_scale_of_a_soft_joint_is_that_joints_own() -> None:
     """Against Exudyn's cable elements on a spring, which err by 6e-5 in the first two modes; the rigid joint's lie 2 and 20 % higher."""
     soft = dataclasses.replace(RUN_24, slider=dataclasses.replace(RUN_24.slider, joint_stiffness=2e4))
     scale, rigid = time_scale(soft), time_scale(RUN_24)
-    assert scale is not None
-    assert rigid is not None
     for degrees in (180.0, 90.0, 30.0, 0.0):
         expected = ExudynEngine().natural_frequencies(soft, math.radians(degrees), 2, ExudynSettings(elements=24))
         assert scale.frequencies(math.radians(degrees))[:2] == pytest.approx(expected, rel=1.5e-4)
@@ -41,7 +38,6 @@ def test_scale_of_a_soft_joint_is_that_joints_own() -> None:
 
 def test_scale_is_symmetric_about_the_return_and_periodic() -> None:
     scale = time_scale(RUN_24)
-    assert scale is not None
     angles = np.linspace(0.0, np.pi, 50)
     for function in (scale.frequencies, *scale.templates.values()):
         assert function(-angles) == pytest.approx(function(angles), abs=1e-9)  # round-off
@@ -54,8 +50,6 @@ def test_scale_with_a_spring_beside_the_line_is_that_of_the_whole_turn() -> None
     scale, mirrored = (
         time_scale(dataclasses.replace(RUN_24, spring=spring)) for spring in (aside, dataclasses.replace(aside, anchor=(0.05, 0.3)))
     )
-    assert scale is not None
-    assert mirrored is not None
     for angle in (0.7, 2.0, 2.0 * math.pi - 2.0, 2.0 * math.pi - 0.7):
         exact = frozen_crank_modes(dataclasses.replace(RUN_24, spring=aside), angle, 3).frequencies
         assert scale.frequencies(angle) == pytest.approx(exact, rel=1e-6)  # cubic interpolation over 1°
@@ -70,7 +64,6 @@ def test_scale_with_a_spring_beside_the_line_is_that_of_the_whole_turn() -> None
 def test_templates_follow_the_mode_at_constant_action_without_jumping_sign() -> None:
     """At constant action the energy omega² a²/2 is proportional to omega; compare ratios between angles."""
     scale = time_scale(RUN_24)
-    assert scale is not None
     one, other = (frozen_crank_modes(RUN_24, angle, 3) for angle in (0.7, 2.4))
     gauge = np.array([RUN_24.follower.strain_gauges[1]])
     modal = [np.sqrt(2.0 / (2.0 * np.pi * modes.frequencies)) for modes in (one, other)]  # energy = omega
@@ -86,7 +79,6 @@ def test_templates_follow_the_mode_at_constant_action_without_jumping_sign() -> 
 def test_template_of_a_channel_that_keeps_its_sign_never_vanishes() -> None:
     for run in (6, 10, 17, 24):
         scale = time_scale(thesis_scene(run)[0])
-        assert scale is not None
         for template in scale.templates.values():
             values = template(np.linspace(0.0, 2.0 * np.pi, 721))
             assert np.abs(values[:-1]).mean(axis=0) == pytest.approx(np.ones(3), rel=0.01)  # different grids
@@ -98,7 +90,6 @@ def test_template_of_a_channel_that_keeps_its_sign_never_vanishes() -> None:
 def test_gauges_that_see_nothing_are_left_out() -> None:
     follower = dataclasses.replace(RUN_24.follower, strain_gauges=(math.nan, 0.3, RUN_24.follower.length))
     scale = time_scale(dataclasses.replace(RUN_24, follower=follower, tip=None))
-    assert scale is not None
     assert scale.channels == ("tip_acceleration", "strain_2")
 
 
@@ -128,7 +119,6 @@ def test_quasi_static_strain_from_the_inboard_side(offset: float, gauge: float) 
     assert RUN_24.tip is not None
     mechanism = dataclasses.replace(RUN_24, tip=dataclasses.replace(RUN_24.tip, center_of_mass=offset))
     tip, beam = mechanism.tip, mechanism.follower
-    assert tip is not None
     q1 = np.linspace(0.0, 2.0 * np.pi, 41)
     alpha, s = follower_acceleration(mechanism, q1)
     L, mu, center = beam.length, beam.mass_per_length, beam.length + tip.center_of_mass
@@ -150,7 +140,6 @@ def test_quasi_static_strain_from_the_inboard_side(offset: float, gauge: float) 
 def test_acceleration_lags_as_the_second_derivative_of_a_drifting_oscillation_does() -> None:
     """Tip motion A cos phi with A ~ omega^(-1/2) phi_L, derived twice by differences, beside what the other modes add to it."""
     scale = time_scale(RUN_24)
-    assert scale is not None
     speed = 0.5  # rad/s: slow, so that what is of second order in the rates of change drops out
     time = np.linspace(0.0, np.pi / speed, 40001)
     angles = np.pi + speed * time

@@ -19,7 +19,6 @@ from quickreturn.cases.motion.settling import Cycle
 from quickreturn.cases.motion.time_scale import CHANNELS, TimeScale, time_scale
 from quickreturn.engines.base import NoSteadyState
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
-from quickreturn.engines.own.simulation import OwnSimulation
 from quickreturn.engines.start import standard_start
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.model import BeamModel
@@ -66,8 +65,6 @@ def steady_vibration(mechanism: Mechanism) -> SteadyVibration | None:
     if found is None or not found.stable:
         return None
     simulation, scale = found.simulation, time_scale(mechanism)
-    assert isinstance(simulation, OwnSimulation)
-    assert isinstance(simulation.model, BeamModel)
     assert scale is not None
     farthest = simulation.state.copy()
     step = output_step(mechanism)

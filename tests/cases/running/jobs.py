@@ -11,7 +11,6 @@ from quickreturn.cases.running.job import Job, Limits, Outcome
 
 PRELOAD = ("quickreturn.cases.running.worker",)
 
-
 GIB = 2**30
 
 

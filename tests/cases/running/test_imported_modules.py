@@ -76,7 +76,6 @@ def test_modules_are_followed_through_others_and_in_circles(find: Callable[[str]
 
 def test_modules_of_each_part_of_the_package_have_their_files() -> None:
     shapes = source_of("quickreturn.reference_model.shapes")
-    assert shapes is not None
     assert shapes.samefile(ROOT / "reference_model/shapes.py")
     for part in ("reference_model", "engines", "cases", "reports", "derive"):
         for module, file in modules_in(f"quickreturn.{part}").items():

@@ -16,7 +16,6 @@ from typing import Any
 
 import pytest
 
-from quickreturn.cases.running import isolation
 from quickreturn.cases.running.job import Limits
 from quickreturn.engines.base import EngineFailure
 from tests.cases.running.jobs import GIB, done
@@ -43,7 +42,6 @@ def test_exception_comes_back_as_what_it_was() -> None:
 
 def test_engine_failure_keeps_time_cause_and_advice() -> None:
     outcome = done(RAISE, EngineFailure(0.25, "the beam snapped", "try another beam"))
-    assert isinstance(outcome.error, EngineFailure)
     assert (outcome.error.time, outcome.error.cause, outcome.error.advice) == (0.25, "the beam snapped", "try another beam")
 
 
@@ -99,11 +97,6 @@ def test_output_is_caught_and_its_end_kept(capfd: pytest.CaptureFixture[str]) ->
 def test_workers_compute_with_one_thread() -> None:
     assert done(os.getenv, "OMP_NUM_THREADS").value == "1"
     assert done(os.getenv, "NUMBA_NUM_THREADS").value == "1"
-
-
-def test_worker_that_cuts_its_pipes_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(isolation, "_GRACE", 0.3)
-    assert done(exec, "import os, time; os.closerange(0, 256); time.sleep(3600)").failure == "cut its connection to the runner"
 
 
 def test_job_that_cannot_be_started_is_named_and_the_next_one_runs() -> None:

@@ -8,8 +8,7 @@ import os
 import signal
 import threading
 import time
-from concurrent.futures import Future, ThreadPoolExecutor
-from functools import partial
+from concurrent.futures import Future
 from pathlib import Path
 from typing import Any
 
@@ -101,16 +100,6 @@ def test_a_process_that_was_killed_while_it_waited_is_replaced() -> None:
     threading.Timer(0.3, os.kill, (server, signal.SIGCONT)).start()
     assert isolated(brief("two", "7")).value == 7
     end_waiting()
-
-
-def test_any_executor_of_futures_will_do() -> None:
-    with ThreadPoolExecutor(2) as threads:
-        jobs = [Job("good", operator.neg, (3,)), Job("dies", os.abort), Job("raises", operator.truediv, (1, 0))]
-        submit = partial(threads.submit, isolated, limits=Limits(seconds=60.0))
-        outcomes = {outcome.job.name: outcome for outcome in computed(submit, jobs)}
-    assert (outcomes["good"].value, outcomes["dies"].failure) == (-3, "killed by SIGABRT")
-    assert isinstance(outcomes["raises"].error, ZeroDivisionError)
-    assert all(outcomes[job.name].job is job for job in jobs)
 
 
 def test_what_the_executor_loses_is_named() -> None:

@@ -108,7 +108,6 @@ def test_a_list_of_numbers_is_an_array(tmp_path: Path) -> None:
     store = Store(tmp_path)
     store.put(KEY, Record({}, {"a": [1.0, 2.5]}))  # type: ignore[dict-item]
     entry = store.get(KEY)
-    assert entry is not None
     assert entry.arrays["a"].tolist() == [1.0, 2.5]
 
 

@@ -107,12 +107,6 @@ def test_a_bent_start_is_taken_over_by_a_sliding_joint() -> None:
     assert relative_error(sliding["tip_deflection"], ale["tip_deflection"]) < 1e-3
 
 
-def test_both_joints_leave_the_same_degrees_of_freedom() -> None:
-    ale, sliding = (ENGINE.describe(run_24(), ExudynSettings(joint=joint)) for joint in ("ale", "sliding"))
-    assert ale.degrees_of_freedom == sliding.degrees_of_freedom
-    assert np.array_equal(ale.joints, sliding.joints)
-
-
 @pytest.mark.parametrize(
     ("scene", "named"),
     [

@@ -155,7 +155,6 @@ def test_longer_steps_pass_rows_of_the_output(step, steps):
     """By two where a step is one output step; where there are blows none is passed, and smaller steps are compared with."""
     own = ExudynSettings(elements=12, step=step)
     pair = ladder.in_time(own, 5e-4)
-    assert pair.before is not None
     assert [each.step_taken(5e-4) for each in (pair.run, pair.other, pair.before.other)] == pytest.approx(steps)
     assert ladder.in_time(own, 5e-4, blows=True).other.rows == 1
     assert own.step_taken(5e-4) <= step
@@ -177,7 +176,6 @@ def test_what_both_pairs_with_more_elements_show_counts_once():
     assert [pair.of for pair in few] == ["time", "space", "stretch"]
     assert [pair.of for pair in many] == ["time", "space", "stretch", "passing"]
     besides = few[1].besides
-    assert besides is not None
     assert (few[1].other.elements, besides.other.elements) == (18, 15)
     assert all(pair.besides is None for pair in (few[0], few[2], *many))
 

@@ -68,7 +68,6 @@ def folder(tmp_path: Path) -> Path:
     (tmp_path / "utf-16.toml").write_text(written(scene()), encoding="utf-16")
     (tmp_path / "picture.toml").write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(range(256)))
     (tmp_path / "unclosed.toml").write_text('[crank]\nlength = "4 in\nmass = "1 kg"\n')
-    (tmp_path / "twice.toml").write_text('[crank]\nlength = "4 in"\nlength = "5 in"\n')
     (tmp_path / "table.csv").write_text("time,tip_x\n0,0\n")
     os.mkfifo(tmp_path / "pipe.toml")
     return tmp_path
@@ -161,7 +160,6 @@ NO_CASES = ("", " ", "-", ".", "/", "thesis-25", "thesis", "24", "missing.toml",
             "folder.toml", "loop.toml", "dangling.toml", "empty.toml", "zeros.toml", "huge.toml", "deep.toml", "deep-sections.toml", "wide.toml",
             "utf-16.toml", "picture.toml", "pipe.toml", "/dev/null", "/dev/zero", "/dev/full", "/proc/self/mem", "a\0b.toml", "\udcff.toml",
             "\x1b[31m.toml", "two\nlines.toml", "a" * 300 + ".toml", "a" * 100_000, "../" * 3000 + "x.toml")  # fmt: skip
-
 
 TAKE_CASES = ("show -", MODES, SIMULATE, "run - --engine fake", "report -", "benchmark - --engine fake", "plot - --output out.png",
               "animate - --engine fake --output out.webp")  # fmt: skip
@@ -270,7 +268,6 @@ def test_answer_to_a_mistake_on_the_command_line(call: Call, typed: str, words: 
 @pytest.mark.parametrize("name", commands())
 def test_no_option_of_which_one_value_counts_takes_the_last_of_two(name: str) -> None:
     command = quickreturn.get_command(click.Context(quickreturn), name)
-    assert command is not None
     for option in command.params:
         assert not isinstance(option, click.Option) or option.is_flag or option.multiple, option.name
 

@@ -1,4 +1,4 @@
-"""The store and files of the program where a result is damaged, a disk is full or a folder cannot be; see `test_faults` for the table."""
+"""The store and files of the program where a result is damaged, a disk is full or a folder cannot be."""
 
 import contextlib
 import json

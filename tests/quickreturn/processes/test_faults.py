@@ -1,22 +1,4 @@
-"""What a user sees of a fault: one sentence that names it, an exit code, and all that the fault has not touched.
-
-| fault | seen on standard error | exit code | kept |
-|---|---|---|---|
-| an engine raises, returns NaN, returns what cannot be stored | engine X failed: what it did | 3 | all other engines' results |
-| an engine hangs | engine X failed: stopped at the time limit of S s | 3 | likewise |
-| an engine allocates without end | engine X failed: ran out of memory (memory limit of M GiB), or a library's last words | 3 | likewise |
-| an engine dies of SIGSEGV, is killed, quits, cuts its pipe | engine X failed: killed by SIGSEGV, ... | 3 | likewise |
-| an engine's library is not installed | engine X unavailable: why; asked for by name: engine X is not available: why | 3; 2 | likewise |
-| ... in a benchmark | engine X was left out: why | 3 | the others are measured |
-| the runner is killed | nothing; workers end with it, the next run continues | - | every result stored before |
-| the fork server is killed | nothing; the run goes on | 0 | everything |
-| a stored result is truncated or edited | stored result FILE is truncated or was edited; it is computed anew | 0 | all others |
-| the disk is full | results cannot be written (why); they are computed anew next time | 2 | results are shown, earlier entries stay |
-| ... where `--output` goes | --output FILE: it cannot be written (why) | 2 | the file that was there before |
-| ... where standard output goes | standard output cannot be written (why) | 2 | stored results |
-| a file where a folder should be, or none can be made | store folder F: ... ; --output F: ... (before anything runs) | 2 | everything |
-| Ctrl-C, once or again and again | interrupted; what is kept and how to go on | 130 | every result stored before; no half file |
-"""
+"""What a user sees of a fault: one sentence that names it, an exit code, and all that the fault has not touched."""
 
 import dataclasses
 import json

@@ -90,7 +90,6 @@ def hard_scenes(draw: Draw, workshop: Workshop) -> None:
     """The verdict on an engine in a scene, before the comparison with other engines, and whether its claim holds."""
     cases = {entry.name: load_case(entry.name) for entry in catalogue(TAG)}
     known = records.matrix(cases.values())
-    assert known is not None
     for scene, name in draw(sorted(known.cells)):
         cell, again = known.cells[scene, name], judge_scenes([cases[scene]], workshop, (name,)).cells[scene, name]
         if cell.verdict.claimed_error is None or again.verdict.claimed_error is None:

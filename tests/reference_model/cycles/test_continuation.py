@@ -77,7 +77,6 @@ def test_a_branch_that_ends_says_why() -> None:
 
     found = branch(Known(formula), np.array([0.5]), 0.5, 0.0, 3.0)
     ending = found.endings[1]
-    assert ending is not None
     assert ending.left
     assert ending.parameter == pytest.approx(1.0, abs=1e-3)
     assert found.endings[0] is None

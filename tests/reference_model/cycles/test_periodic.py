@@ -7,12 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.cycles.periodic import (
-    NoPeriodicOrbit,
-    PeriodicOrbit,
-    largest_multiplier,
-    periodic_orbit,
-)
+from quickreturn.reference_model.cycles.periodic import NoPeriodicOrbit, PeriodicOrbit, largest_multiplier, periodic_orbit
 from quickreturn.reference_model.entries import KERNEL
 from quickreturn.reference_model.mechanism import PrescribedSpeed, TorqueDrive
 from quickreturn.reference_model.model import BeamModel
@@ -173,11 +168,6 @@ def test_the_search_may_begin_anywhere(model: BeamModel, orbit: PeriodicOrbit) -
     elsewhere = periodic_orbit(model, model.straight_state(0.4, 0.7 * SPEED), 1e-7, INTEGRATION)
     assert distance(model, orbit, elsewhere.state) < 1e-6
     assert elsewhere.period == pytest.approx(orbit.period, rel=1e-7)
-
-
-def test_it_costs_less_than_marching_to_a_thousandth(orbit: PeriodicOrbit) -> None:
-    """0.778^n < 1e-3 takes 27 cycles, from a start as far off as the motion is large."""
-    assert orbit.cycles_of_work < 13
 
 
 def test_no_steady_state_is_an_answer() -> None:

@@ -44,7 +44,6 @@ def run(
     model: BeamModel | ThesisModel | MovingBoundariesModel, duration: float, intervals: int, tolerance: float, state: Array | None = None
 ) -> tuple[Array, dict[str, Array]]:
     """States and observables on a uniform grid, from the standard start or a given state."""
-    assert isinstance(model.scene, Mechanism)
     crank, begin = model.scene.crank, model.initial_state if isinstance(model, ThesisModel) else model.straight_state
     y = begin(crank.initial_angle, crank.drive.initial_speed) if state is None else state
     result = model.integrate(y, duration / intervals, intervals, tolerance)

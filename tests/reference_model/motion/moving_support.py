@@ -15,13 +15,7 @@ def monodromy(
 ) -> Array:
     """What a turn makes of deflections and rates in the frame of the line from pivot to slider, by the implicit midpoint rule, undamped.
 
-    Args:
-        mechanism: the scene.
-        crank_speed: rad/s.
-        foreshortening: whether rotation stiffens the beam, to second order.
-        elements: number of elements.
-        stiffness: of the spring, N/m.
-        steps: of a turn.
+    `foreshortening`: whether rotation stiffens the beam, to second order; `stiffness`: of the spring, N/m.
     """
     beam, tip = mechanism.follower, mechanism.tip_body
     L, m, e = beam.length, tip.mass, tip.center_of_mass

@@ -53,11 +53,7 @@ def random_case(rng: np.random.Generator, *, present: float = 0.5) -> tuple[dict
 
     Lengths vary by 10 to 40 %, everything else by up to 50 % around run 24, dampings around its `MAGNIFIED` values. Tip slope is at
     most 0.5, |W'| below 0.5 everywhere, rates are those of a violent run; the slider stands anywhere between d - LA and d + LA from
-    P, before or after the return, and on the beam.
-
-    Args:
-        rng: source of randomness.
-        present: probability with which each of `LEFT_OUT` differs from zero.
+    P, before or after the return, and on the beam. Each of `LEFT_OUT` differs from zero with the probability `present`.
     """
     while True:
         parameters = {name: value * MAGNIFIED.get(name, 1.0) * rng.uniform(0.5, 1.5) for name, value in RUN_24.items()}

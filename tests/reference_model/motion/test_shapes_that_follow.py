@@ -22,7 +22,6 @@ from tests.reference_model.thesis.thesis_runs import error
 LONG_CRANK = run_24(crank={"length": 5.0 * INCH}, tip={"center_of_mass": 0.0127})
 FRACTIONS = np.array([0.0, 0.2, 0.55, 0.9, 1.0])
 
-
 #: Central differences of order eight, for first and second derivatives.
 STENCILS = (
     np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0, 4 / 5, -1 / 5, 4 / 105, -1 / 280]),

@@ -100,7 +100,7 @@ CHANGES = [
     ("engines/refusals.py", '"""', '"""Once more: ', True),
     ("engines/own/beam_engine.py", '"""', '"""Once more: ', True),
     ("engines/exudyn/joint.py", '"""', '"""Once more: ', True),
-    ("reference_model/dop853.py", "INTERPOLATED: Final = ", "INTERPOLATED: Final = 0 + ", False),
+    ("reference_model/dop853_loop.py", "INTERPOLATED: Final = ", "INTERPOLATED: Final = 0 + ", False),
     ("reference_model/joint.py", "import math", "import math  # other", False),
     ("reference_model/small.py", "x + x", "2.0 * x", False),
 ]

@@ -66,11 +66,7 @@ def test_an_object_names_all_that_it_refers_to(entry: Entry) -> None:
     undefined = {name for name, symbol in symbols(code) if symbol["section"] == 0}
     assert undefined <= {*head.decode().split(" "), "memset", "memcpy", "fmod", "pow", "sin", "cos", "sincos"}
     assert {name for name in undefined if name.startswith("numba_")} <= {
-        "numba_do_raise",
-        "numba_gil_ensure",
-        "numba_gil_release",
-        "numba_runtime_build_excinfo_struct",
-        "numba_unpickle",
+        *("numba_do_raise", "numba_gil_ensure", "numba_gil_release", "numba_runtime_build_excinfo_struct", "numba_unpickle")
     }
     assert not any(name.startswith("NRT_") for name in undefined)
 

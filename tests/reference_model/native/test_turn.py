@@ -50,7 +50,6 @@ def holder(tmp_path: Path) -> "subprocess.Popen[str]":
     process = subprocess.Popen(
         command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env={**os.environ, "PYTHONPATH": str(ROOT)}
     )
-    assert process.stdout is not None
     assert process.stdout.readline() == "taken\n"
     return process
 

@@ -52,7 +52,6 @@ def state():
     return found
 """
 
-
 DIFFERENCES = """
 print([f"{name}.{each}" for name in before for each in {**before[name], **after[name]} if before[name].get(each) != after[name].get(each)])
 """
@@ -91,16 +90,6 @@ def test_numba_its_settings_and_the_environment_stay_as_they_are(tmp_path: Path)
     """`threadpoolctl`, which counts threads, sets a variable at its import."""
     code = f"import os, threadpoolctl{STATE}before = state(){USES}after = state(){DIFFERENCES}"
     assert printed(code, tmp_path).splitlines() == ["[]"]
-
-
-@pytest.mark.verify
-def test_numbas_own_test_of_caching_passes_after_a_simulation(tmp_path: Path) -> None:
-    code = f"{USES}\nimport unittest\nunittest.main('numba.tests.test_caching', 'TestCache', argv=['caching', '-q'])"
-    environment = {**os.environ, "PYTHONPATH": str(ROOT), "QUICKRETURN_STORE": str(tmp_path / "store")}
-    environment.pop("NUMBA_CACHE_DIR", None)
-    done = subprocess.run([sys.executable, "-P", "-c", code], env=environment, capture_output=True, text=True, check=False, cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert "OK" in done.stderr
 
 
 #: Compiles and calls a function of this package's without one of numba's insides.

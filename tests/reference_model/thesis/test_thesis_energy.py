@@ -1,4 +1,4 @@
-"""Conservation, balance and reversal: laws that hold whatever the equations' details."""
+"""Conservation and balance: laws that hold whatever the equations' details."""
 
 import numpy as np
 import pytest
@@ -16,14 +16,6 @@ def test_energy_is_conserved_over_twenty_cycles(elements: int, exact: bool) -> N
     mechanism = undriven()
     model = thesis(mechanism, elements=elements, exact=exact)
     _, columns = run(model, 20 * period(mechanism), 1000, 1e-10)
-    assert np.ptp(balance(columns)) < 1e-8 * follower_energy(model, columns)
-
-
-def test_energy_is_conserved_on_a_coarse_mesh() -> None:
-    """Velocities are exact derivatives of the discrete places: one element and one cell, but nothing is lost."""
-    mechanism = undriven(gravity=(3.0, -9.81), slider=Slider(mass=0.2))
-    model = thesis(mechanism, exact=True)
-    _, columns = run(model, 5 * period(mechanism), 500, 1e-10)
     assert np.ptp(balance(columns)) < 1e-8 * follower_energy(model, columns)
 
 
@@ -53,17 +45,3 @@ def test_work_of_a_prescribed_speed_is_what_becomes_of_it() -> None:
     torque = columns["crank_torque"]
     work = np.concatenate([[0.0], np.cumsum(0.5 * (torque[1:] + torque[:-1])) * 17.0 / 2000])
     assert np.max(np.abs(work - columns["drive_work"])) < 2e-3 * np.ptp(columns["drive_work"])
-
-
-@pytest.mark.parametrize("elements", [1, 2])
-def test_without_damping_the_motion_runs_backwards(elements: int) -> None:
-    mechanism = undriven(gravity=(0.0, -9.81))
-    model = thesis(mechanism, elements=elements, exact=elements > 1)
-    n = model.shapes.count
-    states, _ = run(model, 0.5, 50, 1e-11)
-    turned = states[-1].copy()
-    turned[n + 1 : 2 * n + 2] *= -1.0
-    back, _ = run(model, 0.5, 50, 1e-11, state=turned)
-    # coordinates return; the tolerance is amplified by the growth of a disturbance over two runs of half a second
-    np.testing.assert_allclose(back[::-1, 1 : n + 1], states[:, 1 : n + 1], atol=1e-8 * mechanism.follower.length)
-    np.testing.assert_allclose(back[::-1, 0], states[:, 0], atol=1e-8)

@@ -5,39 +5,11 @@ import dataclasses
 import pytest
 
 from quickreturn.cases.comparison.engines import agreement as verdicts
-from quickreturn.reports.chapters.agreement import Sharpness, classes, departures, finding, run_map, summary
+from quickreturn.reports.chapters.agreement import classes, departures, run_map, summary
 from quickreturn.reports.results.engine_differences import differences, outward
-from tests.reports.pages import chapter_of, finding_of, one_run, plain, text_of
+from tests.reports.pages import chapter_of, finding_of, one_run, text_of
 from tests.reports.plotted_results import ENGINES, with_run
 from tests.reports.reported_results import agreeing, departing, reported_result
-
-KNOWN = {
-    "frequency": [
-        Sharpness("a", "reference", "frequency", 4, 0.01, 0.5, 0.012, 0.02),
-        Sharpness("b", "reference", "frequency", 4, 0.03, 0.2, 0.008, 0.01),
-    ],
-    "amplitude": [Sharpness("a", "reference", "amplitude", 4, 0.05, 0.1, 0.2, 0.3)],
-}
-
-
-def counts(agree: int = 0, disagree: int = 0, says_nothing: int = 0) -> dict[str, int]:
-    return {"agree": agree, "disagree": disagree, "says_nothing": says_nothing}
-
-
-@pytest.mark.parametrize(
-    ("counted", "cubic", "words"),
-    [
-        (counts(agree=34), -0.131, ["Three", "all 34 comparisons", "1.2 % in every frequency", "20 % in every amplitude", "13 % off"]),
-        (counts(agree=30, says_nothing=4), None, ["30 comparisons", "4 more say nothing"]),
-        (counts(agree=90, disagree=1, says_nothing=1), 0.131, ["1 of 92 comparisons", "13 % off"]),
-        (counts(says_nothing=64), None, ["64 comparisons say nothing"]),
-        (counts(), None, ["Nothing could be judged"]),
-    ],
-)
-def test_the_heading_has_the_numbers(counted: dict[str, int], cubic: float | None, words: list[str]) -> None:
-    told = plain(finding(counted, ["reference", "a", "b"], KNOWN, cubic))
-    assert all(each in told for each in words), told
-    assert ("1999" in told) == (cubic is not None)
 
 
 def test_the_heading_counts_the_comparisons_of_the_page() -> None:
@@ -45,17 +17,12 @@ def test_the_heading_counts_the_comparisons_of_the_page() -> None:
     (table,) = (table for table in chapter_of(content, "agreement").tables if table.name == "compared")
     compared, beyond, silent = (sum(int(str(row[key].value)) for row in table.rows) for key in ("compared", "beyond", "say_nothing"))
     assert 0 < beyond < compared
-    assert finding_of(content, "agreement").startswith(
-        f"In {beyond} of {compared} comparisons engines differ by more than they claim; the 1999"
-    )
+    assert silent == 0
+    assert f"{beyond} of {compared} comparisons" in finding_of(content, "agreement")
     alike = one_run(agreeing(reported_result("thesis-24")))
     checks = [check for result in alike.results for check in result.checks]
-    assert verdicts(checks) == counts(agree=len(checks))
-    told = finding_of(alike, "agreement")
-    assert told.startswith(
-        f"Three agree within what they claim in all {len(checks)} comparisons with reference, which would show an error of "
-    )
-    assert silent == 0
+    assert verdicts(checks) == {"agree": len(checks), "disagree": 0, "says_nothing": 0}
+    assert f"all {len(checks)} comparisons" in finding_of(alike, "agreement")
     nothing = one_run(reported_result("example", dict.fromkeys(ENGINES, "failed")))
     assert finding_of(nothing, "agreement") == "Nothing could be judged"
 

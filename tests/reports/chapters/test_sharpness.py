@@ -23,9 +23,7 @@ MARGIN = 2e-3
 #: Numbers that an error of each kind scales; a consensus is made of its channels' frequencies.
 SCALED: dict[Kind, tuple[str, ...]] = {"frequency": VIBRATION[:1], "amplitude": VIBRATION[1:], "extreme": EXTREMES}
 
-
 RESULTS = [agreeing(reported_result("thesis-24")), agreeing(reported_result("thesis-06", seed=5))]
-
 
 #: What a cycle that is measured anew leaves as it was: the engine's own estimates.
 CLAIMS = ("parts", *(f"{name}_estimate" for name in (*VIBRATION, *EXTREMES)))

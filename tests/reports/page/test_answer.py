@@ -59,7 +59,6 @@ def test_claims_as_wide_as_the_numbers_make_no_engine_alike_and_no_set_up_the_sa
 def test_the_answer_follows_from_the_numbers() -> None:
     told = pages.text_of(content_of(results=[reported_result("thesis-24")]))
     cubic = answer_of(content_of(results=[reported_result("thesis-24")])).cubic
-    assert cubic is not None
     assert cubic.frequency.median == pytest.approx(0.13, abs=0.01)  # made up: 1.13 times, and 0.4 % of noise
     assert f"rings {size(cubic.frequency.median)} faster and shows".replace("\N{NO-BREAK SPACE}", " ") in told
     assert "4 of 4" in told

@@ -55,17 +55,23 @@ def meet(one: list[Any], other: list[Any]) -> bool:
     return bool(across > 1.0 and min(one[4], other[4]) - max(one[2], other[2]) > LEADING)
 
 
+def assert_fitting(name: str, box: list[float], texts: list[Any]) -> None:
+    """No text of a chart covers another or is cut off."""
+    met = [(one[0], other[0]) for one, other in combinations(texts, 2) if meet(one, other)]
+    assert met == [], f"{name}: texts cover each other"
+    left, _, right, bottom = box
+    out = [text for text, x0, _, x1, y1 in texts if x0 < left - 0.5 or x1 > right + 0.5 or y1 > bottom + 0.5]
+    assert out == [], f"{name}: texts are cut off"
+
+
 @pytest.mark.parametrize("width", [390, pytest.param(1400, marks=pytest.mark.verify)])
 def test_no_text_of_a_chart_covers_another_or_is_cut_off(opened: Open, width: int) -> None:
     page = everything(opened, width=width)
     charts = page.evaluate(TEXTS)
     assert len(charts) == page.locator(".drawn").count() + 2 + page.locator("#signals canvas").count()
-    for name, (left, _, right, bottom), texts in charts:
+    for name, box, texts in charts:
         assert len(texts) > 4, name
-        met = [(one[0], other[0]) for one, other in combinations(texts, 2) if meet(one, other)]
-        assert met == [], f"{name}: texts cover each other"
-        out = [text for text, x0, _, x1, y1 in texts if x0 < left - 0.5 or x1 > right + 0.5 or y1 > bottom + 0.5]
-        assert out == [], f"{name}: texts are cut off"
+        assert_fitting(name, box, texts)
 
 
 @pytest.mark.parametrize("width", [390, pytest.param(1400, marks=pytest.mark.verify)])
@@ -148,11 +154,7 @@ def test_a_chart_changes_over_to_all_that_one_waits_for(opened: Open) -> None:
     page = opened("#at=0&chapter=methods&section=methods-thesis-24")
     choices = page.locator("#methods .choices").first
     first, second = choices.locator(".drawn").all()
-    for name, shown, other in (
-        ("solve time", first, second),
-        ("waiting time", second, first),
-        ("solve time", first, second),
-    ):
+    for name, shown, other in (("solve time", first, second), ("waiting time", second, first), ("solve time", first, second)):
         choices.get_by_role("radio", name=name).check()
         shown.locator(".chart").wait_for()
         assert shown.is_visible()

@@ -9,7 +9,7 @@ from quickreturn.reports.machine import machine_facts
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.report import write
 from tests.reports.in_a_browser import Open
-from tests.reports.page.test_charts_in_a_browser import TEXTS, meet
+from tests.reports.page.test_charts_in_a_browser import TEXTS, assert_fitting
 from tests.reports.reported_results import reported_result
 
 NAMES = ("Harmonics of the torque", "Force in the bearing P", "Force in the bearing O")
@@ -34,9 +34,8 @@ def charts(opened: Open, width: int) -> tuple[Page, list[list[Any]]]:
 @pytest.mark.parametrize("width", [390, pytest.param(1400, marks=pytest.mark.verify)])
 def test_they_fit_and_no_text_covers_another(opened: Open, width: int) -> None:
     page, found = charts(opened, width)
-    for name, (left, _, right, bottom), texts in found:
-        assert [(a[0], b[0]) for k, a in enumerate(texts) for b in texts[:k] if meet(a, b)] == [], name
-        assert [text for text, x0, _, x1, y1 in texts if x0 < left - 0.5 or x1 > right + 0.5 or y1 > bottom + 0.5] == [], name
+    for each in found:
+        assert_fitting(*each)
     assert {"amplitude [N m]", "harmonic of the crank’s turn", "8"} <= {text for text, *_ in found[0][2]}
     for _, _, texts in found[1:]:
         assert {"along n₁ [N]", "along n₂ [N]", "0°", "90°"} <= {text for text, *_ in texts}

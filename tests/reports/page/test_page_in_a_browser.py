@@ -52,16 +52,6 @@ def test_the_animation_begins_by_itself_advances_and_stops(opened: Open) -> None
     assert cursor(page) != stopped
 
 
-def test_the_choice_of_the_run_follows_the_sentences(opened: Open) -> None:
-    """So it is on the first screen of 1400 by 900 pixels in the report on all runs."""
-    page = opened("")
-    top = {
-        each: page.evaluate(f"document.querySelector('{each}').getBoundingClientRect().top")
-        for each in (".lede", "#run-buttons", ".numbers")
-    }
-    assert top[".lede"] < top["#run-buttons"] < top[".numbers"]
-
-
 def test_a_link_restores_the_view(opened: Open) -> None:
     page = opened("#run=thesis-17&engines=reference,mujoco&at=123.5&signal=strain_2&bend=10&chapter=thesis")
     assert cursor(page) == 123.5
@@ -126,26 +116,9 @@ def test_a_cell_of_the_map_opens_its_run(opened: Open) -> None:
     assert page.evaluate("scrollY") == 0
 
 
-@pytest.mark.verify
-def test_a_link_counts_though_the_old_state_is_written_late(opened: Open) -> None:
-    page = opened("#at=100&run=thesis-24")
-    page.evaluate("location.hash = 'run=thesis-06'; history.replaceState(null, '', '#run=thesis-24')")
-    page.wait_for_function("document.querySelector('#run-buttons [aria-pressed=true]').value === 'thesis-06'")
-
-
-@pytest.mark.verify
-def test_the_name_of_the_quick_return_lies_where_the_curves_leave_more_room(opened: Open) -> None:
-    page = opened("#at=0&signal=slider_force", reduced_motion="reduce")
-    seen = page.evaluate("seen.get(document.getElementById('curve'))")
-    ((_, left, top, right, bottom),) = [text for text in seen["texts"] if text[0] == "quick return"]
-    assert len(seen["points"]) > 500
-    assert not [place for place in seen["points"] if left < place[0] < right and top < place[1] < bottom]
-
-
 def test_the_curve_tells_values_zooms_and_is_taken_away(opened: Open) -> None:
     page = opened("#at=90&run=thesis-24")
     box = page.locator("#curve").bounding_box()
-    assert box is not None
     before = page.inner_text("#values")
     page.mouse.move(box["x"] + 0.7 * box["width"], box["y"] + 50)
     assert page.inner_text("#values") != before
@@ -241,19 +214,6 @@ def test_an_animation_of_its_own_runs_over_time(opened: Open, tmp_path: Path) ->
     assert float(page.get_attribute("#at", "max") or "nan") == pytest.approx(run.cycle["time"][-1] - run.cycle["time"][0], rel=1e-6)
     assert drawn(page, "stage")
     assert page.locator("details").count() == 0
-
-
-def test_parts_of_a_chapter_have_addresses(opened: Open) -> None:
-    page = opened("#at=0&chapter=methods&section=methods-thesis-17")
-    assert page.locator("#methods-thesis-17").get_attribute("open") is not None
-    assert page.locator("#methods-thesis-17 .chart").count() == 2
-    page.wait_for_url("**section=methods-thesis-17**")
-
-
-@pytest.mark.parametrize("chapter", ["methods", pytest.param("thesis", marks=pytest.mark.verify)])
-def test_the_longest_chapters_say_their_finding_in_one_screen(opened: Open, chapter: str) -> None:
-    page = opened(f"#at=0&chapter={chapter}")
-    assert page.evaluate(f"document.getElementById('{chapter}').getBoundingClientRect().height") <= 900
 
 
 #: Width of the mechanism over that of its box; `seen` holds the places of lines, of which the lowest are those of the scale.

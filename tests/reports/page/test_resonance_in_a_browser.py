@@ -11,7 +11,7 @@ from quickreturn.reports.machine import machine_facts
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.report import write
 from tests.reports.in_a_browser import Open
-from tests.reports.page.test_charts_in_a_browser import TEXTS, meet
+from tests.reports.page.test_charts_in_a_browser import TEXTS, assert_fitting
 from tests.reports.reported_results import reported_result
 
 AROUND = made_up_around()
@@ -35,9 +35,8 @@ def chart(opened: Open, width: int = 1400) -> tuple[Page, Locator]:
 @pytest.mark.parametrize("width", [390, pytest.param(1400, marks=pytest.mark.verify)])
 def test_it_fits_and_no_text_covers_another(opened: Open, width: int) -> None:
     page, found = chart(opened, width)
-    name, (left, _, right, _), texts = next(each for each in page.evaluate(TEXTS) if each[0].startswith("The resonance curve"))
-    assert [(a[0], b[0]) for k, a in enumerate(texts) for b in texts[:k] if meet(a, b)] == [], name
-    assert [text for text, x0, _, x1, _ in texts if x0 < left - 0.5 or x1 > right + 0.5] == []
+    name, box, texts = next(each for each in page.evaluate(TEXTS) if each[0].startswith("The resonance curve"))
+    assert_fitting(name, box, texts)
     assert {"8×", "your machine runs here", "crank speed [rpm]", "largest tip acceleration in a turn [m/s²]"} <= {
         text for text, *_ in texts
     }
@@ -56,8 +55,6 @@ def test_unstable_parts_are_dashed_and_the_machine_is_marked(opened: Open) -> No
     line = found.locator("line[stroke-dasharray='2 3']").bounding_box()
     for mark in marks.all():
         box = mark.bounding_box()
-        assert box is not None
-        assert line is not None
         assert box["x"] + box["width"] / 2.0 == pytest.approx(line["x"] + line["width"] / 2.0, abs=0.6)
 
 

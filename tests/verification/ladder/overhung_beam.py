@@ -19,23 +19,14 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Mode:
-    """A natural vibration w(x) sin(2 pi f t) of unit modal mass, and the loads that it puts on the beam.
+    """A natural vibration w(x) sin(2 pi f t) of unit modal mass, and the loads that it puts on the beam."""
 
-    Attributes:
-        frequency: f, Hz.
-        wave_number: k of the beam's exact solutions, 1/m, from EI k^4 = rho A omega^2.
-        reaction: of the slider, N.
-        tip_force: on the beam's end by the tip body, N.
-        tip_moment: the same, N m.
-        bending: integral of (w - w'(0) x)^2 over the beam: what a damping relative to the base frame acts on, m/kg.
-    """
-
-    frequency: float
-    wave_number: float
-    reaction: float
-    tip_force: float
-    tip_moment: float
-    bending: float
+    frequency: float  # f, Hz
+    wave_number: float  # k of the beam's exact solutions, 1/m, from EI k^4 = rho A omega^2
+    reaction: float  # of the slider, N
+    tip_force: float  # on the beam's end by the tip body, N
+    tip_moment: float  # the same, N m
+    bending: float  # integral of (w - w'(0) x)^2 over the beam: what a damping relative to the base frame acts on, m/kg
 
 
 def conditions(mechanism: Mechanism, s: float, frequency: float) -> Array:
@@ -105,21 +96,13 @@ def cubic_frequencies(mechanism: Mechanism, s: float) -> Array:
 
 @dataclass(frozen=True)
 class Sag:
-    """The follower at rest under its weight across the chord from P to the slider.
+    """The follower at rest under its weight across the chord from P to the slider."""
 
-    Attributes:
-        tip_deflection: of x = L from the base tangent, m.
-        turn: of the base tangent from the chord, rad.
-        curvatures: at the gauges, 1/m, shape (3,).
-        slider_force: on the follower, N.
-        shape: W(x) from the base tangent, m, with derivatives, in the form of a start (`engines.start.Field`).
-    """
-
-    tip_deflection: float
-    turn: float
-    curvatures: Array
-    slider_force: float
-    shape: PPoly
+    tip_deflection: float  # of x = L from the base tangent, m
+    turn: float  # of the base tangent from the chord, rad
+    curvatures: Array  # at the gauges, 1/m, shape (3,)
+    slider_force: float  # on the follower, N
+    shape: PPoly  # W(x) from the base tangent, m, with derivatives, in the form of a start (`engines.start.Field`)
 
 
 def sag(mechanism: Mechanism, s: float, weight: float) -> Sag:

@@ -15,34 +15,18 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class RigidLoop:
-    """Motion and forces at given crank angle, speed and acceleration; arrays of the crank angle's shape.
+    """Motion and forces at given crank angle, speed and acceleration; arrays of the crank angle's shape."""
 
-    Attributes:
-        slider_position: s, m.
-        follower_angle: q2, rad, within 90 degrees of 180 degrees.
-        follower_speed: rad/s.
-        follower_acceleration: rad/s^2.
-        slider_force: on the follower, along its normal, N.
-        torque: all that the motor must give, the crank's damping included, N m.
-    """
-
-    slider_position: Array
-    follower_angle: Array
-    follower_speed: Array
-    follower_acceleration: Array
-    slider_force: Array
-    torque: Array
+    slider_position: Array  # s, m
+    follower_angle: Array  # q2, rad, within 90 degrees of 180 degrees
+    follower_speed: Array  # rad/s
+    follower_acceleration: Array  # rad/s^2
+    slider_force: Array  # on the follower, along its normal, N
+    torque: Array  # all that the motor must give, the crank's damping included, N m
 
 
 def rigid_loop(mechanism: Mechanism, crank_angle: Array, crank_speed: Array | float, crank_acceleration: Array | float = 0.0) -> RigidLoop:
-    """Kinematics and kinetostatics.
-
-    Args:
-        mechanism: the scene; its bending stiffness is not used, its slider has no inertia of rotation.
-        crank_angle: rad.
-        crank_speed: rad/s.
-        crank_acceleration: rad/s^2.
-    """
+    """Kinematics and kinetostatics; the bending stiffness is not used, the slider has no inertia of rotation."""
     crank, beam, tip = mechanism.crank, mechanism.follower, mechanism.tip_body
     arm = crank.length * np.exp(1j * np.asarray(crank_angle))
     c = arm - mechanism.pivot_distance

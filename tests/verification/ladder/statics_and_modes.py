@@ -47,19 +47,12 @@ SPEED: Final = 16.0  # rad/s, of the crank in the rigid limit
 
 @dataclass(frozen=True)
 class Climber:
-    """An engine with settings, and what these are expected to leave.
+    """An engine with settings, and what these are expected to leave."""
 
-    Attributes:
-        name: of the engine.
-        settings: of it.
-        label: what the tables call it.
-        frequency: relative error of a natural frequency, with the reason.
-    """
-
-    name: str
-    settings: Settings
-    label: str
-    frequency: Callable[[Mode, Follower], tuple[float, str]]
+    name: str  # of the engine
+    settings: Settings  # of it
+    label: str  # what the tables call it
+    frequency: Callable[[Mode, Follower], tuple[float, str]]  # relative error of a natural frequency, with the reason
 
 
 def climbers(fineness: int = 1) -> Iterator[Climber]:

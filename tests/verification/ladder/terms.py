@@ -55,20 +55,14 @@ SPAN: Final = 5e-3  # s, of which the last four fifths are averaged: at first Ex
 
 @dataclass(frozen=True)
 class Candidate:
-    """An engine with settings, and what these leave of a state and of its motion.
-
-    Attributes:
-        state: relative error of quantities of the state: what the discretization cannot represent of the given line.
-        motion: the same of mean accelerations and forces.
-        reason: where both come from.
-    """
+    """An engine with settings, and what these leave of a state and of its motion."""
 
     name: str
     settings: Settings
     label: str
-    state: float
-    motion: float
-    reason: str
+    state: float  # relative error of quantities of the state: what the discretization cannot represent of the given line
+    motion: float  # the same of mean accelerations and forces
+    reason: str  # where both come from
 
 
 @dataclass(frozen=True)

@@ -73,19 +73,12 @@ def ladders(elements: int, step: float, links: int) -> tuple[Ladder, Ladder]:
 
 @dataclass(frozen=True)
 class Limit:
-    """What an engine's trajectories converge to.
-
-    Attributes:
-        engine: name.
-        orders: observed in the tip deflection, in words.
-        values: extrapolated, by channel.
-        errors: RMS of what the finest run may be off, by channel, if errors fall at least in proportion to each step, element or link.
-    """
+    """What an engine's trajectories converge to."""
 
     engine: str
-    orders: str
-    values: dict[str, Array]
-    errors: dict[str, float]
+    orders: str  # observed in the tip deflection, in words
+    values: dict[str, Array]  # extrapolated, by channel
+    errors: dict[str, float]  # RMS of what the finest run may be off, if errors fall at least as each step, element or link
 
 
 def scene(name: str, speed: float | None = None) -> Mechanism:

@@ -61,11 +61,7 @@ def quasi_static_deflection(rate: Array, acceleration: Array) -> Array:
 def _ends(rate: Array, squared: Array) -> tuple[tuple[Array, Array], Array]:
     """Second and third derivative and value at the end, each of shape (3, k), of three solutions with w(0) = w'(0) = 0.
 
-    They begin with x^2 and with x^3; the third one begins with neither and carries the load -x.
-
-    Args:
-        rate: of the base, shape (k,).
-        squared: square of the frequency in the plane, shape (k,).
+    They begin with x^2 and with x^3; the third one begins with neither and carries the load -x. `squared`: of the frequency in the plane.
     """
     n = np.arange(TERMS, dtype=np.float64)
     at_end = np.stack([n * (n - 1.0), n * (n - 1.0) * (n - 2.0), np.ones(TERMS)])

@@ -58,11 +58,7 @@ def scene() -> FollowerAlone:
 
 
 def manoeuvre(name: str) -> Iterator[Row]:
-    """The engine's largest lag, axial stretch and remaining vibration in the manoeuvre itself, at its default accuracy.
-
-    Raises:
-        Refusal: the engine has no model of a follower alone.
-    """
+    """The engine's largest lag, axial stretch and remaining vibration in the manoeuvre itself, at its default accuracy."""
     case, alone = load_case(CASE), scene()
     result = simulate_scene(engine(name), alone, case.duration, case.output_step)
     trajectory, accuracy, unit = result.trajectory, _estimate(result), time_unit(alone.follower)
