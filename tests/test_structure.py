@@ -53,7 +53,7 @@ BUDGETS = {
     "quickreturn": 1_910,
     "pack": 90,
     "plugins/as_built": 410,
-    "plugins/conform": 1_230,
+    "plugins/conform": 950,
     "plugins/derive": 2_090,
     "plugins/fmu": 390,
     "plugins/methods": 2_940,

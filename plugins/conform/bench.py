@@ -3,7 +3,7 @@
 import functools
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final, Literal
 
 import numpy as np
@@ -16,12 +16,12 @@ from quickreturn.engines.error_parts import compared
 from quickreturn.engines.one_run import raised_at, run_once
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.registry import usable_engine
-from quickreturn.engines.relative import rms, scale
+from quickreturn.engines.relative import rms
 from quickreturn.engines.scene import check_scene
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import REQUIRED, Trajectory
-from quickreturn.plugins.conform.scenes import BASE, DURATION, OUTPUT_STEP, PRESCRIBED, UNTIL_BENT
+from quickreturn.plugins.conform.scenes import ALONE, BASE, CLAMPED, DURATION, OUTPUT_STEP, PRESCRIBED, SPUN_UP, UNTIL_BENT
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 
@@ -30,9 +30,6 @@ Status = Literal["passed", "failed", "not judged"]
 
 #: Largest number of names in a sentence.
 _NAMED: Final = 4
-#: Default advice.
-TELL_THE_AUTHOR: Final = "debug it with the scene of this check: cases.conformance.scenes"
-MEND_FIRST: Final = "mend that first"
 
 
 @dataclass(frozen=True)
@@ -42,7 +39,6 @@ class Check:
     check: str  # name of the check
     status: Status  # how it ended
     cause: str = ""  # what is wrong, or why it was not judged; for a passed check a remark, or ""
-    advice: str = ""  # what to try; "" if nothing is wrong
 
 
 @dataclass(frozen=True, repr=False)
@@ -55,7 +51,7 @@ class Conformance(Printable):
 
     def _parts(self) -> Iterator[Cell]:
         yield f"{self.engine}: {self.verdict}"
-        yield Rows([(each.check, each.status, each.cause, each.advice) for each in self.checks], ("check", "status", "cause", "advice"))
+        yield Rows([(each.check, each.status, each.cause) for each in self.checks], ("check", "status", "cause"))
 
     @property
     def failed(self) -> tuple[Check, ...]:
@@ -70,17 +66,13 @@ class Conformance(Printable):
 
 
 class Fault(Exception):
-    """A check fails: what is wrong, and what to try."""
+    """What is wrong: the check fails."""
 
     status: Status = "failed"
 
-    def __init__(self, cause: str, advice: str = TELL_THE_AUTHOR) -> None:
-        super().__init__(cause)
-        self.cause, self.advice = cause, advice
-
 
 class Unjudged(Fault):
-    """A check cannot be made: why, and what to try."""
+    """Why a check cannot be made."""
 
     status: Status = "not judged"
 
@@ -98,22 +90,18 @@ def check_by(name: str, look: Callable[..., str | None], *arguments: Any) -> Che
 def ended(name: str, error: Exception) -> Check:
     """The check that an exception ended."""
     if isinstance(error, Fault):
-        return Check(name, error.status, error.cause, error.advice)
+        return Check(name, error.status, str(error))
+    if isinstance(error, Refusal):
+        return Check(name, "not judged", f"the engine models no scene of a trial: {error}")
     if isinstance(error, EngineFailure):
-        return Check(name, "failed", f"a run breaks down: {error.cause}", error.advice)
-    cause = f"the engine raises {type(error).__name__}{raised_at(error)}: {first_line(error)}"
-    return Check(name, "failed", cause, "only Refusal, EngineFailure and SettingError say something to a user")
+        return Check(name, "failed", f"a run breaks down: {error.cause}; {error.advice}")
+    return Check(name, "failed", f"the engine raises {type(error).__name__}{raised_at(error)}: {first_line(error)}")
 
 
 def some(names: Sequence[str]) -> str:
     """Names for a sentence: the first ones, and the number of the others."""
     more = len(names) - _NAMED
     return ", ".join(names) if more <= 1 else f"{', '.join(names[:_NAMED])} and {more} more"
-
-
-def share_of(share: float) -> str:
-    """A share in words: in per cent, or from 2 on as a multiple."""
-    return f"{share:.3g} times its size" if share >= 2.0 else f"{100.0 * share:.3g} %"
 
 
 #: Columns that are not compared with `reference`: the grid, residuals of a model's own numerics, and the acceleration of a base that rings
@@ -154,25 +142,16 @@ class Motion:
         return run_once(engine, self.scene, self.start or standard_start(self.scene), self.duration, self.output_step, settings).trajectory
 
 
-@dataclass(frozen=True)
-class Truth:
-    """A converged solution and, column by column, its approximate error (in the column's unit)."""
-
-    columns: Mapping[str, Array]
-    uncertainty: Mapping[str, float]
-
-
 @functools.lru_cache(maxsize=512)
-def solution(motion: Motion) -> Mapping[str, Array]:
-    """Columns of the motion by `reference` with five modes."""
-    return motion.by(ReferenceEngine(), _FINEST).columns
+def solution(motion: Motion, settings: ReferenceSettings = _FINEST) -> Mapping[str, Array]:
+    """Columns of the motion by `reference`, with five modes."""
+    return motion.by(ReferenceEngine(), settings).columns
 
 
-@functools.lru_cache(maxsize=128)
-def truth(motion: Motion) -> Truth:
-    """`solution` with its uncertainty from a run with four modes."""
-    finest, fine = solution(motion), motion.by(ReferenceEngine(), _FINE).columns
-    return Truth(finest, {name: rms(finest[name] - fine[name]) for name in COMPARED if name in finest})
+def uncertainty(motion: Motion) -> dict[str, float]:
+    """Approximate error of the columns of `solution`, in the column's unit: from a run with four modes."""
+    fine = solution(motion, _FINE)
+    return {name: rms(values - fine[name]) for name, values in solution(motion).items()}
 
 
 @functools.lru_cache(maxsize=4)
@@ -185,25 +164,38 @@ def bent_start(mechanism: Mechanism) -> Start:
     return start
 
 
+#: Motions with a mechanism and of a follower alone: of each kind an engine is tried in the first that it models.
+MECHANISMS: Final = (Motion(BASE), Motion(PRESCRIBED))
+FOLLOWERS: Final = tuple(Motion(scene, SPUN_UP) for scene in (ALONE, replace(ALONE, tip=None), CLAMPED))
+
+
+def first_modelled(engine: AnyEngine, motions: Iterable[Motion]) -> Motion:
+    """The first motion whose scene the engine models. Raises Refusal if there is none."""
+    refusals = list[Refusal]()
+    for motion in motions:
+        try:
+            check_scene(engine, motion.scene)
+        except Refusal as refusal:
+            refusals.append(refusal)
+        else:
+            return motion
+    raise refusals[0]
+
+
 class Bench:
     """The tested engine on the scenes of its trial.
 
     Attributes:
         engine: the engine.
         scene: the mild scene, with the drive that the engine can model.
-        mild: the motion in it; that of the follower alone for an engine without mechanism.
+        mild: the motion in it; that of a follower alone for an engine without mechanism.
     """
 
-    def __init__(self, engine: AnyEngine, alone: Motion | None = None) -> None:
-        """Raises Refusal if the engine can model the scene with neither drive, and no motion of a follower alone is given."""
-        self.engine, self.scene, self.mild = engine, BASE, alone or Motion(BASE)
-        if alone is None:
-            try:
-                engine.check(BASE)
-            except Refusal:
-                engine.check(PRESCRIBED)
-                self.scene, self.mild = PRESCRIBED, Motion(PRESCRIBED)
-        self._runs: dict[tuple[Motion, Settings], Trajectory] = {}
+    def __init__(self, engine: AnyEngine) -> None:
+        """Raises Refusal if the engine models no scene."""
+        self.engine, self._runs = engine, dict[tuple[Motion, Settings], Trajectory]()
+        self.mild = first_modelled(engine, MECHANISMS + FOLLOWERS)
+        self.scene: Any = self.mild.scene
 
     def settings(self, scene: Scene) -> Settings:
         """The engine's default settings for a scene."""
@@ -223,11 +215,6 @@ class Bench:
         parts = Counter(pair.of for pair in self.engine.comparisons(settings, scene, OUTPUT_STEP))
         next_rung: Settings | None = self.engine.finer(settings, {of: 2.0 * count for of, count in parts.items()}, OUTPUT_STEP)
         return next_rung
-
-    def errors(self, motion: Motion) -> dict[str, float]:
-        """Name -> RMS error of a column that is compared with `reference`, over its `scale`."""
-        run, right = self.run(motion), truth(motion).columns
-        return {name: rms(run[name] - right[name]) / scale(name, right) for name in compared_columns(run, right=right)}
 
     @property
     def claims(self) -> bool:
@@ -253,11 +240,11 @@ class Bench:
         estimates = self.estimates(motion) if self.claims else None
         if estimates is None:
             return None
-        right = truth(motion)
+        right, unsure = solution(motion), uncertainty(motion)
         return {
-            name: TOLERANCE_FACTOR * (estimate + right.uncertainty[name]) + ROUNDING * rms(right.columns[name])
+            name: TOLERANCE_FACTOR * (estimate + unsure[name]) + ROUNDING * rms(right[name])
             for name, estimate in estimates.items()
-            if name in right.columns
+            if name in right
         }
 
 

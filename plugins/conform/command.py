@@ -31,6 +31,5 @@ def conform(call: Call, engine: str, quick: bool) -> int:
         if not quick:
             opened.kept(Outcome(contract.job(engine), found))
     lines = [f"{check.status:10}  {check.check}" + (f": {check.cause}" if check.cause else "") for check in found.checks]
-    advised = [[line, f"{'':10}  {check.advice}"] if check.advice else [line] for line, check in zip(lines, found.checks, strict=True)]
-    call.show(found, "\n".join([*(line for each in advised for line in each), f"{engine}: {found.verdict}"]))
+    call.show(found, "\n".join([*lines, f"{engine}: {found.verdict}"]))
     return {True: ExitCode.GOOD, False: ExitCode.CLAIMS_BROKEN, None: ExitCode.ENGINE_TROUBLE}[found.conforms]

@@ -14,18 +14,18 @@ from quickreturn.cases.running.job import Executor, Job
 from quickreturn.engines.base import AnyEngine, Refusal
 from quickreturn.engines.registry import UnknownEngine
 from quickreturn.plugins.conform.behaviour import elsewhere, failures, repetition
-from quickreturn.plugins.conform.bench import TELL_THE_AUTHOR, Bench, Check, Conformance, ended, engine_from
+from quickreturn.plugins.conform.bench import Bench, Check, Conformance, Fault, ended, engine_from
 from quickreturn.plugins.conform.motion import motion
 from quickreturn.plugins.conform.promises import frequencies, ladder
 from quickreturn.plugins.conform.quantities import alone, quantities
-from quickreturn.plugins.conform.rods import motion_alone, rods
+from quickreturn.plugins.conform.rods import rods
 
 __all__ = ["GROUPS", "Check", "Conformance", "conform", "job"]
 
 
 def _follower_alone(bench: Bench, *_: Any) -> Iterator[Check]:
     """The follower alone; of an engine that models nothing else, as a clamped rod first."""
-    if bench.mild.scene.crank is None:
+    if bench.scene.crank is None:
         yield from rods(bench)
     yield from alone(bench)
 
@@ -67,7 +67,7 @@ def conform(
     """
     engine = os.fspath(engine) if isinstance(engine, os.PathLike) else engine
     tested = engine_from(engine)
-    groups = ("follower alone",) if motion_alone(tested) else QUICK if quick else groups
+    groups = ("follower alone",) if _models_no_mechanism(tested) else QUICK if quick else groups
     # here, because the process of a job may not start processes
     other = elsewhere(engine) if "repetition" in groups else ""
     jobs = [Job(group, trial, (group, engine, other)) for group in groups]
@@ -75,19 +75,24 @@ def conform(
     for outcome in answers(executor or ThisProcess(quiet), jobs, f"engine {tested.name}"):
         if isinstance(outcome.error, (Refusal, UnknownEngine)):
             raise outcome.error
-        checks += outcome.value or [Check(outcome.job.name, "failed", f"the engine's process ends: {outcome.explanation}", TELL_THE_AUTHOR)]
+        checks += outcome.value or [ended(outcome.job.name, Fault(f"the engine's process ends: {outcome.explanation}"))]
     statuses = {check.status for check in checks}
     return Conformance(tested.name, False if "failed" in statuses else True if "passed" in statuses else None, tuple(checks))
+
+
+def _models_no_mechanism(engine: AnyEngine) -> bool:
+    """Whether it models a follower alone."""
+    try:
+        return Bench(engine).scene.crank is None
+    except Exception:  # of whatever kind: each group says so
+        return False
 
 
 def trial(group: str, engine: AnyEngine | str, other: Any) -> list[Check]:
     """The checks of one group; an exception that no engine may raise ends them. `other`: its results in other processes."""
     checks = list[Check]()
     try:
-        bench = Bench(engine_from(engine), motion_alone(engine_from(engine)))
-        checks.extend(GROUPS[group](bench, other))
-    except Refusal as refusal:
-        checks.append(Check(group, "not judged", f"the engine refuses the mild scene, with either drive: {refusal}", TELL_THE_AUTHOR))
+        checks.extend(GROUPS[group](Bench(engine_from(engine)), other))
     except Exception as error:  # an author's engine may raise anything
         checks.append(ended(group, error))
     return checks

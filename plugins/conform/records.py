@@ -39,14 +39,6 @@ class ConformanceRow:
         return f"{self.verdict}; {self.passed} checks passed{unjudged}"
 
 
-def recorded() -> dict[str, str]:
-    """Engine -> recorded verdict on whether it does what it says, with the date and commit of the record."""
-    record = about("conformance")
-    if record is None:
-        return {}
-    return {row.engine: f"{row.words} (recorded on {record.words})" for row in table("conformance", ConformanceRow)}
-
-
 def rows(workshop: Workshop) -> dict[str, Sequence[Any]]:
     """Rows of the verdicts on the engines of this project."""
     found = list[ConformanceRow]()
@@ -62,7 +54,9 @@ def rows(workshop: Workshop) -> dict[str, Sequence[Any]]:
 
 def verdicts(content: Content) -> Mapping[str, str]:
     """Engine -> verdict on whether it does what it says: the user's stored one, else the recorded one, else how to get one."""
-    words = {name: f"not tested: run quickreturn conform {name}" for name in content.engines} | recorded()
+    words, record = {name: f"not tested: run quickreturn conform {name}" for name in content.engines}, about("conformance")
+    if record is not None:
+        words |= {row.engine: f"{row.words} (recorded on {record.words})" for row in table("conformance", ConformanceRow)}
     for name in content.engines:
         outcome = content.workshop.stored(job_of(name)) if content.workshop else None
         if outcome is not None and outcome.value is not None:

@@ -54,12 +54,12 @@ UNTIL_BENT: Final = 0.2
 #: the arm passes half a turn and a whole one. An angle that wraps or is an inverse tangent of one argument shows in no arm that swings.
 LONG_CRANK: Final = {"mechanism.pivot_distance": 0.1, "crank.length": 0.25, "crank.initial_angle": math.pi - 0.5}
 TURNED: Final = 0.32
+#: The follower clamped to a base that is held, and let go from straight: it sinks by 0.4 % of its length.
+CLAMPED: Final = FollowerAlone(spin_up=SpinUp(speed=0.0, time=1.0), base=Base(), follower=BASE.follower, gravity=(0.0, -9.81))
 #: The mild scene's follower on a turning base: it bends by a hundredth of its length; and the duration, s, after which the base has turned
 #: steadily for a while.
 ALONE: Final = FollowerAlone(spin_up=SpinUp(speed=6.0, time=0.4), base=BASE.base, follower=BASE.follower, tip=BASE.tip)
 SPUN_UP: Final = 0.6
-#: The follower clamped to a base that is held, and let go from straight: it sinks by 0.4 % of its length.
-CLAMPED: Final = FollowerAlone(spin_up=SpinUp(speed=0.0, time=1.0), base=Base(), follower=BASE.follower, gravity=(0.0, -9.81))
 
 
 @dataclass(frozen=True)

@@ -122,102 +122,6 @@ class LinearMotion(Simulation):
         return FollowerTrajectory(columns | {f"strain_{k + 1}": strains[:, k] for k in range(3)}, 0.0)
 
 
-class RoundSection(LinearRod):
-    """I of a round section in place of a rectangle."""
-
-    def stiffness(self, scene: FollowerAlone, n: int) -> Array:
-        return 3.0 * math.pi / 16.0 * super().stiffness(scene, n)
-
-
-class SquareSection(LinearRod):
-    """I of a rectangle in place of a round section."""
-
-    def stiffness(self, scene: FollowerAlone, n: int) -> Array:
-        return 16.0 / (3.0 * math.pi) * super().stiffness(scene, n)
-
-
-class SegmentTooMany(LinearRod):
-    """A segment of L / N more."""
-
-    def length(self, scene: FollowerAlone, n: int) -> float:
-        return scene.follower.length / (n - 1)
-
-
-class StiffOfOneMore(LinearRod):
-    """The stiffness of the joints is that of N + 1 of them."""
-
-    def stiffness(self, scene: FollowerAlone, n: int) -> Array:
-        return super().stiffness(scene, n) * (n + 1) / n
-
-
-class HalvedEnds(LinearRod):
-    """The joints at both ends have half their stiffness."""
-
-    def stiffness(self, scene: FollowerAlone, n: int) -> Array:
-        halved = super().stiffness(scene, n)
-        halved[[0, -1]] *= 0.5
-        return halved
-
-
-class RigidFirst(LinearRod):
-    """The first half link does not bend."""
-
-    def stiffness(self, scene: FollowerAlone, n: int) -> Array:
-        return super().stiffness(scene, n) * np.append(1e4, np.ones(n - 1))
-
-
-class LosesStiffness(LinearRod):
-    """A joint with a damper has half its stiffness."""
-
-    def stiffness(self, scene: FollowerAlone, n: int) -> Array:
-        return super().stiffness(scene, n) * (0.5 if scene.follower.material_damping else 1.0)
-
-
-class HalfEnd(LinearRod):
-    """The node at the free end has half the mass that it should."""
-
-    def masses(self, scene: FollowerAlone, n: int) -> Array:
-        node = scene.follower.mass_per_length * self.length(scene, n)
-        return np.diag(np.append(np.full(n - 1, node), 0.25 * node))
-
-
-class WholeEnd(HalfEnd):
-    """The node at the free end has the mass of a node between two links."""
-
-    def masses(self, scene: FollowerAlone, n: int) -> Array:
-        matrix = super().masses(scene, n)
-        matrix[-1, -1] *= 4.0
-        return matrix
-
-
-class MeshedDrag(LinearRod):
-    """Each node has the drag of the whole rod over ten, whatever their number."""
-
-    def drag(self, scene: FollowerAlone, n: int) -> Array:
-        return super().drag(scene, n) * n / 10.0
-
-
-class MeshedDampers(LinearRod):
-    """The dampers of the joints do not depend on their distance."""
-
-    def dampers(self, scene: FollowerAlone, n: int) -> Array:
-        return super().dampers(scene, n) * 12.0 / n
-
-
-class HalfDamping(LinearRod):
-    """Damping of half the size."""
-
-    def dampers(self, scene: FollowerAlone, n: int) -> Array:
-        return 0.5 * super().dampers(scene, n)
-
-
-class DragIgnored(LinearRod):
-    """No drag, without a word."""
-
-    def drag(self, scene: FollowerAlone, n: int) -> Array:
-        return 0.0 * super().drag(scene, n)
-
-
 class Elements(Rod):
     """Cubic elements, exact in time. `times`: factor on the length of an element in their stiffness and mass."""
 
@@ -273,19 +177,37 @@ def of_elements(rod: type[Elements], *errors: tuple[int, float]) -> RodEngine:
     return tested
 
 
-#: Mistake -> the engine, and the check that must fail.
-MUTANTS: Final[dict[str, tuple[type[LinearRod], str]]] = {
-    "round section": (RoundSection, _SIZES),
-    "square section": (SquareSection, _SIZES),
-    "a segment too many": (SegmentTooMany, _SIZES),
-    "stiffness of one segment more": (StiffOfOneMore, _SIZES),
-    "stiffness halved at the ends": (HalvedEnds, _SIZES),
-    "first half segment rigid": (RigidFirst, _SIZES),
-    "half the mass at the end": (HalfEnd, _SIZES),
-    "whole mass at the end": (WholeEnd, _SIZES),
-    "stiffness lost with damping": (LosesStiffness, "rod: decay by follower.material_damping"),
-    "dampers scale with the mesh": (MeshedDampers, "rod: decay by follower.material_damping"),
-    "damping of half the size": (HalfDamping, "rod: decay by follower.material_damping"),
-    "drag scales with the mesh": (MeshedDrag, "rod: decay by follower.damping"),
-    "drag ignored": (DragIgnored, "rod: decay by follower.damping"),
+def mistaken(part: str, change: Callable[[Array, FollowerAlone, int], Array]) -> LinearRod:
+    """The chain with a part (a method of `LinearRod`) that is changed; of a scene with a number of links."""
+
+    def wrong(self: LinearRod, scene: FollowerAlone, n: int) -> Array:
+        return change(getattr(LinearRod, part)(self, scene, n), scene, n)
+
+    return type("Mistaken", (LinearRod,), {part: wrong})()
+
+
+def _nodes(scene: FollowerAlone, n: int, last: float) -> Array:
+    """Masses at the nodes; that at the free end is a part of the others."""
+    return scene.follower.mass_per_length * scene.follower.length / n * np.diag(np.append(np.ones(n - 1), last))
+
+
+#: Mistake -> the part of the chain, how it is changed, and the check that must fail.
+MUTANTS: Final[dict[str, tuple[str, Callable[[Array, FollowerAlone, int], Any], str]]] = {
+    "round section": ("stiffness", lambda right, scene, n: 3.0 * math.pi / 16.0 * right, _SIZES),
+    "square section": ("stiffness", lambda right, scene, n: 16.0 / (3.0 * math.pi) * right, _SIZES),
+    "a segment too many": ("length", lambda right, scene, n: right * n / (n - 1), _SIZES),
+    "stiffness of one segment more": ("stiffness", lambda right, scene, n: right * (n + 1) / n, _SIZES),
+    "stiffness halved at the ends": ("stiffness", lambda right, scene, n: right * np.append(0.5, np.append(np.ones(n - 2), 0.5)), _SIZES),
+    "first half segment rigid": ("stiffness", lambda right, scene, n: right * np.append(1e4, np.ones(n - 1)), _SIZES),
+    "half the mass at the end": ("masses", lambda right, scene, n: _nodes(scene, n, 0.25), _SIZES),
+    "whole mass at the end": ("masses", lambda right, scene, n: _nodes(scene, n, 1.0), _SIZES),
+    "stiffness lost with damping": (
+        "stiffness",
+        lambda right, scene, n: right * (0.5 if scene.follower.material_damping else 1.0),
+        "rod: decay by follower.material_damping",
+    ),
+    "dampers scale with the mesh": ("dampers", lambda right, scene, n: right * 12.0 / n, "rod: decay by follower.material_damping"),
+    "damping of half the size": ("dampers", lambda right, scene, n: 0.5 * right, "rod: decay by follower.material_damping"),
+    "drag scales with the mesh": ("drag", lambda right, scene, n: right * n / 10.0, "rod: decay by follower.damping"),
+    "drag ignored": ("drag", lambda right, scene, n: 0.0 * right, "rod: decay by follower.damping"),
 }

@@ -1,11 +1,9 @@
-"""Beams: natural shapes, large bending, and what a section gives, against closed forms."""
+"""Beams: natural shapes against closed forms, and bending that is too large for a deflection."""
 
 import warnings
 
-import casadi as ca
 import numpy as np
 import pytest
-from scipy.integrate import solve_bvp
 
 from quickreturn.derive import Beam, Model, Statics, System, natural_frequencies, natural_shapes, vector
 
@@ -21,19 +19,15 @@ ROOTS = {
 }
 
 
-def beam(supports: str, count: int = 3, load: bool = False) -> System:
+def beam(supports: str, count: int = 3, points: int = 14) -> System:
     system = System("beam")
-    p = system.constants(length=(LENGTH, "m"), mass=(MASS_PER_LENGTH, "kg/m"), stiffness=(STIFFNESS, "N*m^2"), force=(0, "N"))
+    p = system.constants(length=(LENGTH, "m"), mass=(MASS_PER_LENGTH, "kg/m"), stiffness=(STIFFNESS, "N*m^2"))
     eta, shapes = system.amplitudes("eta", count, "m", size=0.01), natural_shapes(supports, count)
-
-    def deflection(x: ca.SX) -> ca.SX:
-        return sum(eta[k] * shapes[k](x / p.length) for k in range(count))
-
-    strip = Beam(
-        system, "strip", origin=vector(0, 0), angle=0, edges=[0, p.length], points=14,
-        deflection=deflection, foreshortening=False, mass_per_length=p.mass, bending_stiffness=p.stiffness,
+    Beam(
+        system, "strip", origin=vector(0, 0), angle=0, edges=[0, p.length], points=points,
+        deflection=lambda x: sum(eta[k] * shapes[k](x / p.length) for k in range(count)),
+        foreshortening=False, mass_per_length=p.mass, bending_stiffness=p.stiffness,
     )  # fmt: skip
-    system.output("end", strip.end()[1], "m")
     return system
 
 
@@ -59,37 +53,17 @@ def test_a_beam_that_bends_too_far_for_its_deflection_is_told(load: float, told:
     assert all("beam 'strip' of 'rod' has a slope of" in str(each.message) and told in str(each.message) for each in caught)
 
 
-@pytest.mark.parametrize("supports", ROOTS)
-def test_natural_shapes_have_the_frequencies_of_the_uniform_beam(supports: str) -> None:
-    found = natural_frequencies(Model(beam(supports)), {})
+@pytest.mark.parametrize(("supports", "count", "points"), [*((supports, 3, 14) for supports in ROOTS), ("clamped-free", 6, 10)])
+@pytest.mark.filterwarnings("error")
+def test_natural_shapes_have_the_frequencies_of_the_uniform_beam(supports: str, count: int, points: int) -> None:
+    found = natural_frequencies(Model(beam(supports, count, points)), {})[:3]
     expected = np.array(ROOTS[supports]) ** 2 / (2 * np.pi * LENGTH**2) * np.sqrt(STIFFNESS / MASS_PER_LENGTH)
     # ten digits; polynomials of degree eleven and more leave 1e-7 of the third; of zero the root of rounding is left
-    np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-4)
+    np.testing.assert_allclose(found, expected, rtol=1e-6 if count == 3 else 1e-4, atol=1e-4)
 
 
-def test_a_cantilever_bent_by_its_tip_is_the_elastica() -> None:
-    """EI theta'' = -F cos theta, theta(0) = theta'(L) = 0, solved as a boundary value problem."""
-    force, count = 20.0, 7
-    system = System("elastica")
-    p = system.constants(length=(LENGTH, "m"), mass=(MASS_PER_LENGTH, "kg/m"), stiffness=(STIFFNESS, "N*m^2"))
-    eta = system.amplitudes("eta", count, "rad")
-    strip = Beam(
-        system, "strip", origin=vector(0, 0), angle=0, edges=[0, p.length / 2, p.length], points=8,
-        tangent=lambda x: sum(eta[k] * (x / p.length) ** (k + 1) for k in range(count)),
-        mass_per_length=p.mass, bending_stiffness=p.stiffness,
-    )  # fmt: skip
-    load = system.constants(force=(force, "N"))
-    system.load("pull", strip.end(), vector(0, load.force))
-    rest = Statics(Model(system)).equilibrium({})
-    x = np.linspace(0.0, LENGTH, 41)
-    exact = solve_bvp(
-        lambda x, y: np.array([y[1], -force / STIFFNESS * np.cos(y[0])]),
-        lambda a, b: np.array([a[0], b[1]]),
-        x,
-        np.zeros((2, 41)),
-        tol=1e-10,
-    )
-    angle = sum(rest[f"eta_{k + 1}"] * (x / LENGTH) ** (k + 1) for k in range(count))
-    assert exact.sol(LENGTH)[0] > 0.8
-    # a polynomial of degree seven
-    np.testing.assert_allclose(angle, exact.sol(x)[0], atol=1e-6)
+@pytest.mark.parametrize(("count", "points"), [(5, 6), (6, 6), (8, 10)])
+def test_too_few_points_for_the_shapes_are_told(count: int, points: int) -> None:
+    """Six shapes at six points have a first frequency that is 12 % too low and a second one that is 78 % too low."""
+    with pytest.warns(UserWarning, match="the Gauss points of beam 'strip' of 'beam' are too few for its shapes"):
+        Model(beam("clamped-free", count, points))

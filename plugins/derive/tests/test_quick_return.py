@@ -11,6 +11,7 @@ from quickreturn.derive import Model, natural_frequencies
 from quickreturn.plugins.derive.tests.descriptions import described
 from quickreturn.plugins.derive.tests.reference.oracle_scene import draw_case, mechanism_of
 from quickreturn.plugins.derive.units import in_si
+from quickreturn.plugins.derive.witness.description import constants
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.motion.layout import state_size
@@ -27,31 +28,14 @@ SCENE: Final = replace(EVERYTHING, tip=replace(EVERYTHING.tip_body, force=(0.0, 
 BARE: Final = replace(SCENE, slider=replace(SCENE.slider, inertia=0.0))
 
 
+#: Parameter of the descriptions -> its name in the engine's.
+NAMES: Final = {"crank_center_of_mass": "crank_center", "tip_center_of_mass": "tip_center", "crank_torque": "torque"}
+
+
 def values_of(scene: Mechanism) -> dict[str, float]:
     """Parameters of the descriptions."""
-    crank, follower, tip, drive = scene.crank, scene.follower, scene.tip_body, scene.crank.drive
-    return {
-        "pivot_distance": scene.pivot_distance,
-        "crank_length": crank.length,
-        "length": follower.length,
-        "crank_mass": crank.mass,
-        "crank_center_of_mass": crank.center_of_mass,
-        "crank_inertia": crank.inertia,
-        "crank_torque": drive.torque,  # type: ignore[union-attr]
-        "crank_damping": drive.damping,  # type: ignore[union-attr]
-        "beam_damping": follower.damping,
-        "base_inertia": scene.base.inertia,
-        "base_damping": scene.base.damping,
-        "mass_per_length": follower.mass_per_length,
-        "bending_stiffness": follower.bending_stiffness,
-        "tip_mass": tip.mass,
-        "tip_inertia": tip.inertia,
-        "tip_center_of_mass": tip.center_of_mass,
-        "slider_mass": scene.slider.mass,
-        "slider_inertia": scene.slider.inertia,
-        "gravity_1": scene.gravity[0],
-        "gravity_2": scene.gravity[1],
-    }
+    given = constants(scene) | {"bending_stiffness": scene.follower.bending_stiffness}
+    return {name: given[NAMES.get(name, name)] for name in DESCRIBED.quick_return(DESCRIBED.one_cubic).parameters}
 
 
 def in_units(model: Model, values: dict[str, float]) -> dict[str, float]:

@@ -66,13 +66,6 @@ def test_a_generated_cantilever_stays_in_its_equilibrium(family: Callable[[int],
     np.testing.assert_allclose(found["tip_y"], rest.outputs["tip_y"], rtol=1e-7)
 
 
-def test_the_loaded_cantilever_of_10_newton() -> None:
-    model = Model(cantilever(orthogonal(4), 1.0, 350.0, 1.57, 10.0, 0.0))
-    rest = Statics(model).equilibrium({})
-    assert rest.outputs["tip_y"] == pytest.approx(-9.5238, abs=1e-4)
-    assert model.simulate(rest, 0.02, 0.01)["tip_y"].iloc[-1] == pytest.approx(-9.5238, abs=1e-4)
-
-
 def test_forces_of_loops_at_rest_are_outputs() -> None:
     system = System("hook")
     p = system.constants(mass=(2.0, "kg"))

@@ -84,7 +84,7 @@ def test_conformance_of_record_stands_where_ones_own_is_missing(tmp_path: Path, 
     monkeypatch.setattr(long_studies, "FOLDER", tmp_path)
     long_studies.about.cache_clear()
     workshop = Workshop(Store(tmp_path / "store"))
-    workshop.kept(Outcome(job("thesis"), Conformance("thesis", False, (Check("a", "failed", "no", "mend it"),))))
+    workshop.kept(Outcome(job("thesis"), Conformance("thesis", False, (Check("a", "failed", "no"),))))
     told = verdicts(Content(results=[], engines=("thesis", "reference", "mujoco"), workshop=workshop))
     long_studies.about.cache_clear()
     recorded = "recorded on 2001-02-03 at commit abc1234; cells of it were last confirmed at commit def5678"
