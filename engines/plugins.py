@@ -21,6 +21,8 @@ class Plugin:
     Attributes:
         engines: name of an engine -> the place of its class, or of an instance.
         engine_files: ending of a file, without its point -> the place of the function that makes an engine of the file's path.
+        measures: place of a sequence of measures of a settled motion, each an `OfTurn` or a `Measure` (`cases.motion`); "" if it has none.
+        readings: name -> place of what it reads off results under that name, a `quickreturn.readings.Reading`.
         commands: name of a command -> its place, and the first sentence of its help.
         page: place of what it adds to the page of a report, a `reports.page.part.Part`; "" if it adds nothing.
         leads: place of a function of a case and a recorded table of it that gives which quantities of the scene would explain the table;
@@ -30,6 +32,8 @@ class Plugin:
 
     engines: Mapping[str, str] = field(default_factory=dict)
     engine_files: Mapping[str, str] = field(default_factory=dict)
+    measures: str = ""
+    readings: Mapping[str, str] = field(default_factory=dict)
     commands: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     page: str = ""
     leads: str = ""
@@ -45,6 +49,11 @@ def plugins() -> Mapping[str, Plugin]:
 def entries(of: str) -> dict[str, Any]:
     """The entries of one of the mappings of all plugins, such as "commands"."""
     return {name: entry for plugin in plugins().values() for name, entry in getattr(plugin, of).items()}
+
+
+def places(of: str) -> list[str]:
+    """The places that plugins name by one of their attributes, such as "page"."""
+    return [place for plugin in plugins().values() if (place := getattr(plugin, of))]
 
 
 def found(place: str) -> Any:

@@ -8,8 +8,6 @@ from quickreturn.cases.files.errors import CaseError as CaseError
 from quickreturn.cases.files.recorded import RecordedTable as RecordedTable
 from quickreturn.cases.files.recorded import read_table as read_table
 from quickreturn.cross_validation import CrossValidation as CrossValidation
-from quickreturn.cross_validation import Explanation as Explanation
-from quickreturn.cross_validation import explain as explain
 from quickreturn.cross_validation import report as report
 from quickreturn.cross_validation import run as run
 from quickreturn.descriptions import list_engines as list_engines
@@ -34,6 +32,8 @@ from quickreturn.engines.trajectory import Trajectory as Trajectory
 from quickreturn.plugins.conform.contract import conform as conform
 from quickreturn.plugins.methods.advice import Advice as Advice
 from quickreturn.plugins.methods.advice import advise as advise
+from quickreturn.plugins.strength.turn import Explanation as Explanation
+from quickreturn.plugins.strength.turn import explain as explain
 from quickreturn.plugins.studies.public.calibration import calibrate as calibrate
 from quickreturn.plugins.studies.public.resonance_curves import Resonance as Resonance
 from quickreturn.plugins.studies.public.resonance_curves import resonance as resonance

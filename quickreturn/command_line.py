@@ -44,7 +44,6 @@ COMMANDS: Final = {
     "compare": ("comparisons", "Measure recorded tables of CASE and compare them with engines."),
     "check": ("comparisons", "Judge a table by the reference results of PROBLEM."),
     "report": ("comparisons", "Write the report on each CASE; without one, on the 24 runs of the thesis."),
-    "explain": ("comparisons", "Say in about ten sentences what happens in a turn of CASE in its steady state, with numbers."),
     "plot": ("motions", "Draw each CASE; with --engine, simulate it and draw columns of its trajectory over time."),
     "animate": ("motions", "Simulate CASE from the standard start and draw it moving, engines over each other."),
 }

@@ -1,12 +1,11 @@
-"""Engines in their steady state: measured and compared, as a report, and as an explanation of a turn."""
+"""Engines in their steady state: measured and compared, and as a report."""
 
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from quickreturn.arguments import AnyCase, AnyEngineOrTable, given_settings, loaded, one_case, prepared
+from quickreturn.arguments import AnyCase, AnyEngineOrTable, given_settings, loaded, prepared
 from quickreturn.cases.comparison.campaign import cross_validate
 from quickreturn.cases.comparison.engines import CaseResult, Difference
 from quickreturn.cases.files.columns import known_column
@@ -18,9 +17,8 @@ from quickreturn.cases.motion.request import Run
 from quickreturn.computing import checked, workshop
 from quickreturn.engines.registry import MAIN
 from quickreturn.engines.trajectory import Trajectory
+from quickreturn.readings import readings
 from quickreturn.reference_model.columns import COLUMNS
-from quickreturn.reports.results.loads import loads_of_case, numbers_of_case
-from quickreturn.reports.results.turn import Statement, statements
 from quickreturn.solution import framed
 from quickreturn.verdict_text import parts_of
 
@@ -103,8 +101,7 @@ class CrossValidation(Printable):
         """Loads on the parts: a row for each case, engine and quantity, in SI units, with its error, place and crank angle (rad)."""
         import pandas as pd
 
-        rows = [(result.case.name, *row) for result in self.results for row in numbers_of_case(loads_of_case(result))]
-        return pd.DataFrame([{"case": case, "engine": engine} | vars(number) for case, engine, number in rows])
+        return pd.DataFrame([{"case": result.case.name} | row for result in self.results for row in readings()["loads"].rows(result)])
 
     @property
     def numbers(self) -> "pd.DataFrame":
@@ -217,49 +214,3 @@ def written_report(
     names, texts, tables = prepared(chosen, engines, given_settings(settings))
     with workshop(jobs, quiet, chosen, names) as opened:
         return write_report(chosen, Path(folder), opened, names, tables, checked(accuracy), texts)
-
-
-@dataclass(frozen=True, repr=False)
-class Explanation(Printable):
-    """What happens in a turn of a machine in its steady state.
-
-    Attributes:
-        case: name of the machine.
-        title: its title.
-        run: the run of the engine from which the sentences are read.
-        statements: sentences with topic and numbers (SI); none if the run has no settled turn.
-    """
-
-    case: str
-    title: str
-    run: Run
-    statements: tuple[Statement, ...]
-
-    def _parts(self) -> Iterator[Cell]:
-        yield f"{self.case}: {self.title}"
-        yield from (f"- {each.sentence}" for each in self.statements)
-
-
-def explain(
-    case: AnyCase,
-    engine: str | os.PathLike[str] = "reference",
-    *,
-    accuracy: float | None = None,
-    settings: Mapping[str, Any] | None = None,
-    quiet: bool = False,
-) -> Explanation:
-    """Say what happens in a turn of a machine in its steady state; the run is that of `qr.run`, from the store if it is there.
-
-    Args:
-        case: a name, a path or a `Case`.
-        engine: name, or path of a file that declares one.
-        accuracy: relative error of the tip deflection asked for; None: the engine's default.
-        settings: settings of the engine, by name.
-        quiet: whether progress on standard error is left out.
-
-    Raises:
-        CaseError, UnknownEngine, Refusal, SettingError, StoreError, KeyboardInterrupt: as `run`.
-    """
-    chosen, name = one_case(case), os.fspath(engine)
-    found = run([chosen], [name], accuracy=accuracy, settings={name: settings or {}}, quiet=quiet)[chosen.name, name]
-    return Explanation(chosen.name, chosen.title, found, tuple(statements(chosen, found)))

@@ -15,7 +15,6 @@ from quickreturn.arguments import AnyCase, engine_given, one_case
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.columns import known_column
 from quickreturn.cases.files.printable import Cell, Printable, Rows
-from quickreturn.cases.loads.arm import missing
 from quickreturn.cases.motion.solving import Answer, TrajectoryRequest, frequencies_job
 from quickreturn.cases.running.display import compilation_announced
 from quickreturn.cases.running.in_process import ThisProcess
@@ -31,18 +30,17 @@ from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.relative import rms
 from quickreturn.engines.settings import as_texts
 from quickreturn.engines.trajectory import Trajectory
-from quickreturn.reference_model.columns import AXIAL, BEARINGS, BENDING, COLUMNS, MOMENTS
+from quickreturn.readings import readings
+from quickreturn.reference_model.columns import AXIAL, BEARINGS, BENDING, COLUMNS
 from quickreturn.reference_model.native import cache_folder
 from quickreturn.reports.output import check_writable, write_file
-from quickreturn.reports.results.loads import stress_text
-from quickreturn.reports.words import ESTIMATE, TIED, settings_words
+from quickreturn.reports.words import ESTIMATE, settings_words
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
     from quickreturn.arguments import AnyEngineOrTable
-    from quickreturn.cases.loads import Loads
     from quickreturn.reports.drawing.style import Drawing
 
 
@@ -56,7 +54,7 @@ class Solution(Printable):
         version: version of the library behind it.
         result: trajectory, settings, error estimates and times as the engine gave them.
         request: what was asked of the engine.
-        store: store from which the loads come and to which they go; None: they are computed.
+        store: store from which the readings come and to which they go; None: they are computed.
         stored: whether it comes from the store; its times are then those of its computation.
     """
 
@@ -103,9 +101,14 @@ class Solution(Printable):
         return tuple(part.complete(self.settings) for part in self.result.error_parts.get(TIP, ()))
 
     @cached_property
-    def loads(self) -> "Loads":
+    def readings(self) -> dict[str, Any]:
+        """What plugins read off the trajectory, by name."""
+        return {name: value_here(each.job(self.request, self.result), self.store)[0] for name, each in readings().items()}
+
+    @property
+    def loads(self) -> Any:
         """Loads on the parts: stress along the arm, forces in joints and bearings; estimates are the columns' largest errors."""
-        return value_here(self.request.loads_job(self.result), self.store)[0]
+        return self.readings["loads"]
 
     @property
     def settings(self) -> dict[str, Any]:
@@ -182,12 +185,8 @@ class Solution(Printable):
             yield "shown by", Rows([(f"{part}",) for part in self.error_parts])
         if doubtful := [name for name, estimate in result.error_estimates.items() if estimate is not None and estimate > 1.0]:
             yield "doubtful", f"{', '.join(doubtful)}: the error may be larger than the column itself"
-        if (loads := self.loads).stress is not None:
-            yield "arm", f"with the transient of its start, {stress_text(loads, self.case)}".replace(TIED, " ")
-            if self.case.scene.crank is not None:
-                yield "", "`run` gives the settled machine, with its safety against fatigue"
-        elif {*MOMENTS} <= set(self.trajectory.columns):
-            yield "arm", f"no stress along it: {missing(self.case.scene, self.trajectory.columns)}"
+        for name, each in readings().items():
+            yield from each.of_simulation(self.case, result, self.readings[name])
         then = " (comes from the store; times of its computation)" if self.stored else ""
         yield "times", " + ".join(f"{seconds:.3g} s {part}" for part, seconds in times.items()) + then
         yield "settings", settings_words(self.settings)

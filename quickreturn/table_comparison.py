@@ -25,7 +25,7 @@ from quickreturn.cases.running.job import Job
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.computing import checked, workshop
 from quickreturn.engines.plugins import found as found_at
-from quickreturn.engines.plugins import plugins
+from quickreturn.engines.plugins import places as of_plugins
 from quickreturn.engines.registry import MAIN
 from quickreturn.engines.relative import rms, scale
 from quickreturn.engines.trajectory import Trajectory
@@ -199,12 +199,12 @@ def compared(
 def _led_on(case: Case, results: list[CaseResult], tables: Mapping[str, RecordedTable], workshop: Workshop) -> list[CaseResult]:
     """The results with the quantities of the scene that would explain tables."""
     names = [table.name for result in results for table in tables_in(result) if table.causes is not None and table.causes.open]
-    places = [plugin.leads for plugin in plugins().values() if plugin.leads]
-    jobs = [Job(f"quantities of {name}", found_at(place), (case, tables[name]), lasts=None) for place in places for name in names]
+    leads = of_plugins("leads")
+    jobs = [Job(f"quantities of {name}", found_at(lead), (case, tables[name]), lasts=None) for lead in leads for name in names]
     outcomes = workshop.outcomes(jobs, "quantities that would explain a table")
     found = {
         name: "; or ".join(lead.told(case, tables[name].shown) for lead in outcome.value)
-        for name, outcome in zip(names * len(places), outcomes, strict=True)
+        for name, outcome in zip(names * len(leads), outcomes, strict=True)
         if outcome.value
     }
     return [replace(result, leads={name: found[name] for name in result.recorded if name in found}) for result in results]

@@ -8,22 +8,18 @@ from quickreturn.cases.comparison.engines import REFERENCE, CaseResult, Differen
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.printable import Cell, Rows
 from quickreturn.cases.files.shown import Units
-from quickreturn.cases.loads import UNITS, loads_of_run, resonance
 from quickreturn.cases.motion.catalogue import IN_TABLES, MEASURES, numbers
 from quickreturn.cases.motion.number import SAYS_NOTHING
 from quickreturn.cases.motion.request import Run
+from quickreturn.cases.motion.resonance import resonance
+from quickreturn.readings import readings
 from quickreturn.reference_model.columns import COLUMNS
-from quickreturn.reports.results.drive import drive_of, drive_sentences
-from quickreturn.reports.results.loads import CaseLoads, leading_loads, loads_document, notch_lines, settled_speed, stress_text
-from quickreturn.reports.words import TIED, cost, quantity
+from quickreturn.reports.words import cost
 
 #: Largest number of departures that the text shows for a pair of engines.
 LISTED: Final = 5
 #: Word -> kind of the differences that are shown for an engine that is not judged.
 _OF_KIND: Final[dict[str, Kind]] = {"frequency": "channel frequency", "amplitude": "amplitude", "extremes": "extreme"}
-
-#: Names of forces and torques in the text.
-FORCES: Final = {"pivot_force": "force at P", "crank_force": "at O", "slider_force": "at the slider", "crank_torque": "torque of the drive"}
 
 #: Measures that the terminal shows.
 _MEASURED: Final = tuple(name for name, place in IN_TABLES.items() if place.in_terminal)
@@ -32,17 +28,14 @@ _PEAKS: Final = {"tip_acceleration": ("peak accel.", ".2f"), "strain_2": ("peak 
 
 
 def parts_of(result: CaseResult) -> list[Cell]:
-    """Rows of the engines and recorded tables, their remarks, the loads on the parts, and the verdict."""
+    """Rows of the engines and recorded tables, their remarks, what plugins read off them, and the verdict."""
     whole = result.with_tables
     rows = [_row(result.case, run, whole.accuracy_class(name)) for name, run in whole.runs.items()]
     remarks = [f"  {run.engine}: {run.remark}" for run in whole.runs.values() if run.remark]
     verdict = [f"  {line}" for line in _verdict(whole)]
-    loads = [f"  {line}" for line in _load_lines(leading_loads(result))]
+    read = [f"  {line}" for each in readings().values() for line in each.lines(result)]
     state = "" if result.turn is None else f"; turn {result.turn} from the standard start"
-    drive = drive_of(result)
-    sentences = (f"{sentence[0].lower()}{sentence[1:-1]}".replace(TIED, " ") for sentence in drive_sentences(drive))
-    loads += [f"  {drive.lead}: {sentence}" for sentence in sentences]
-    return [f"{result.case.name}: {result.case.title}{state}", Rows(rows, _heads(result.case.units)), *remarks, *loads, *verdict]
+    return [f"{result.case.name}: {result.case.title}{state}", Rows(rows, _heads(result.case.units)), *remarks, *read, *verdict]
 
 
 def _heads(units: Units) -> list[str]:
@@ -82,22 +75,6 @@ def _verdict(result: CaseResult) -> list[str]:
             largest = [f"{word} {100.0 * max(of_kind):.2g} %" for word, of_kind in sizes.items() if of_kind]
             lines.append(f"{name}, not judged ({why}): largest differences from {REFERENCE}: {', '.join(largest) or 'none'}")
     return lines
-
-
-def _load_lines(case: CaseLoads) -> list[str]:
-    """Loads on the parts by the leading engine, and the nearest resonance."""
-    if not case.lead:
-        return []
-    loads, units = case.loads[case.lead], case.case.units
-    lines = [f"{case.lead}: {sentence}" for sentence in (stress_text(loads, case.case), *notch_lines(loads, case.case))]
-    forces = [
-        f"{FORCES[name]} {quantity(peak.value, units.of(UNITS[name]))}" for name, peak in loads.peaks.items() if name in FORCES and peak
-    ]
-    if forces:
-        lines.append(f"{case.lead}: largest {', '.join(forces)}")
-    if case.resonance is not None:
-        lines.append(f"first mode over the crank's frequency {case.resonance.ratio:.2f}: {case.resonance.sentence(units, case.share)}")
-    return [line.replace(TIED, " ") for line in lines]
 
 
 def _departure(check: Difference, units: Units) -> str:
@@ -149,7 +126,7 @@ def as_document(results: Sequence[CaseResult], notices: Sequence[str]) -> dict[s
                     _as_document(run)
                     | {
                         "accuracy_class": result.accuracy_class(name),
-                        "loads": loads_document(loads_of_run(result.case.mechanism, run)),
+                        **{name: each.document(each.of_run(result.case.mechanism, run)) for name, each in readings().items()},
                         "numbers": {
                             measure: {"value": found.value, "error": found.error, "unit": MEASURES[measure].unit}
                             for measure, found in numbers(result.case.mechanism, run).items()
@@ -173,7 +150,7 @@ def as_document(results: Sequence[CaseResult], notices: Sequence[str]) -> dict[s
 
 def _resonance(result: CaseResult) -> dict[str, Any] | None:
     """First mode (Hz, mean over the turn with the crank held), crank (Hz), their ratio and the nearest harmonic."""
-    found = resonance(result.case.mechanism, settled_speed(result))
+    found = resonance(result.case.mechanism, result.settled_speed)
     return None if found is None else {**vars(found), "ratio": found.ratio, "harmonic": found.harmonic}
 
 

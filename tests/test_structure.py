@@ -48,9 +48,9 @@ LARGEST_KERNEL = 10_000
 BUDGETS = {
     "reference_model": 5_470,
     "engines": 4_290,
-    "cases": 6_440,
-    "reports": 3_000,
-    "quickreturn": 1_970,
+    "cases": 5_780,
+    "reports": 2_300,
+    "quickreturn": 1_910,
     "pack": 90,
     "plugins/as_built": 410,
     "plugins/conform": 950,
@@ -58,7 +58,8 @@ BUDGETS = {
     "plugins/fmu": 390,
     "plugins/methods": 2_940,
     "plugins/pack": 430,
-    "plugins/studies": 2_510,
+    "plugins/strength": 1_400,
+    "plugins/studies": 2_520,
     "plugins/thesis": 1_450,
 }
 

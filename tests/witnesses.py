@@ -13,14 +13,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Final
 
-from quickreturn.cases.loads.fatigue import Fatigue
-from quickreturn.cases.loads.resonance import Resonance
-from quickreturn.cases.loads.stress import ArmStress, Factor
 from quickreturn.cases.motion.catalogue import MEASURES
 from quickreturn.cases.motion.cycle import ChannelMeasures
 from quickreturn.cases.motion.request import PeriodicOrbit
+from quickreturn.cases.motion.resonance import Resonance
 from quickreturn.cases.motion.solving import Frequencies
 from quickreturn.engines.accurate import Result
+from quickreturn.plugins.strength.stress import ArmStress, Factor, Fatigue
 from quickreturn.plugins.studies.resonance_curve.curve import ResonanceCurve, ResonancePeak, SpecialPoint
 from quickreturn.plugins.studies.uncertainty.fit import FittedParameter
 from quickreturn.plugins.studies.uncertainty.scatter import Quantile, Share
@@ -91,7 +90,7 @@ measure: mean.drive_power rms.drive_power peak.drive_power peak.returned_power 2
 tests/verification/test_witnesses.py::test_gauges_of_a_link_chain_confirm_the_stress_along_the_arm
 measure: peak.stress amplitude.stress 5e-4
 - Goodman's line by hand on a rigid arm
-tests/cases/test_fatigue.py::test_the_factor_is_that_of_goodmans_line
+plugins/strength/tests/test_fatigue.py::test_the_factor_is_that_of_goodmans_line
 measure: equivalent.stress cycles.stress factor.yielding factor.fatigue 2e-3
 - the phase of a small free vibration about the motion, without a fit
 tests/cases/motion/test_simulated.py::test_frequencies_of_steady_states_lie_within_their_claims
@@ -122,32 +121,32 @@ measure: multiplier multiplier.real multiplier.imag 5e-5
 periodic orbit: multipliers 5e-5
 resonance curve: multipliers 5e-5
 - the virtual work of a rigid machine by quadrature
-tests/cases/test_drive.py::test_the_drive_of_a_rigid_machine_does_the_virtual_work
+plugins/strength/tests/test_drive.py::test_the_drive_of_a_rigid_machine_does_the_virtual_work
 measure: torque.harmonic_* mean.crank_torque turn.driven_energy turn.returned_energy flywheel.energy 1e-5
 - a free crank with this inertia
-tests/cases/test_drive.py::test_a_crank_with_the_flywheel_fluctuates_as_wanted
+plugins/strength/tests/test_drive.py::test_a_crank_with_the_flywheel_fluctuates_as_wanted
 measure: flywheel.inertia 0.005
 - the clock of the caller: no part takes longer than the call
 tests/engines/test_accurate.py::test_no_part_of_a_call_takes_longer_than_the_call
 measure: solve_seconds 0
 simulation: setup_seconds solve_seconds compile_seconds estimate_seconds 0
 - the closed form of a rigid arm
-tests/cases/test_loads.py::test_largest_stress_and_amplitude_of_a_rigid_arm
+plugins/strength/tests/test_loads.py::test_largest_stress_and_amplitude_of_a_rigid_arm
 stress along the arm: axial mean places lowest highest 0.02
 - Goodman's line by hand
-tests/cases/test_fatigue.py::test_the_factor_is_that_of_goodmans_line
+plugins/strength/tests/test_fatigue.py::test_the_factor_is_that_of_goodmans_line
 fatigue: equivalent notch_factor amplitude mean 1e-9
 - the example of ASTM E1049
-tests/cases/test_fatigue.py::test_cycles_are_those_of_the_standard
+plugins/strength/tests/test_fatigue.py::test_cycles_are_those_of_the_standard
 fatigue: ranges 0
 - the closed form of a rigid arm
-tests/cases/test_loads.py::test_forces_and_safety
+plugins/strength/tests/test_loads.py::test_forces_and_safety
 safety factor: value 1e-6
 - intervals inverted by hand
-tests/cases/test_loads.py::test_the_interval_of_a_factor_is_that_of_the_stress_inverted
+plugins/strength/tests/test_loads.py::test_the_interval_of_a_factor_is_that_of_the_stress_inverted
 safety factor: lowest highest error 1e-6
 - the textbook's pinned beam
-tests/cases/test_loads.py::test_resonance_of_a_uniform_beam_is_that_of_the_textbook
+tests/cases/motion/test_resonance.py::test_a_uniform_beam_is_that_of_the_textbook
 distance to resonance: first_mode lowest crank 1e-6
 - a march of `mujoco`
 tests/verification/test_witnesses.py::test_plain_numpy_on_a_link_chain_confirms_the_measures_of_a_turn
@@ -188,7 +187,7 @@ natural frequencies: values 1e-9
 tests/verification/test_accuracy_campaign.py::test_claims_hold
 simulation: error_estimate error_estimates error_parts 0.05
 - largest stresses of `mujoco` and `exudyn`: differences beyond the claims
-tests/verification/test_stress.py::test_the_largest_stress_of_three_engines_is_within_their_claims
+plugins/strength/tests/test_claims_of_stress.py::test_the_largest_stress_of_three_engines_is_within_their_claims
 simulation: largest_errors 0
 """
 _NAMES: Final = {"column": list(COLUMNS), "measure": list(MEASURES)} | {

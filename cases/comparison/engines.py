@@ -184,6 +184,12 @@ class CaseResult:
         return CaseResult(self.case, {**self.runs, **self.recorded}, (*self.checks, *self.table_checks))
 
     @property
+    def settled_speed(self) -> float | None:
+        """Mean crank speed (rad/s) of the settled motion by `reference`, or else by the first engine that has one; None without one."""
+        usable = {name: run for name, run in self.runs.items() if run.usable}
+        return usable.get(REFERENCE, next(iter(usable.values()))).mean_crank_speed if usable else None
+
+    @property
     def passed(self) -> bool | None:
         """Whether every engine delivered and none departs from another by more than both claim; None if nothing could be judged."""
         return not self.failures and not self.missed if self.agreement["agree"] or self.missed else None

@@ -26,11 +26,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.loads.drive import at_shaft, crank_damping
 from quickreturn.cases.motion.consensus import Consensus
 from quickreturn.cases.motion.cycle import EXTREMES, VIBRATION, ChannelMeasures, CycleMeasures, measure_cycles
 from quickreturn.cases.motion.marching import channels_of, mean_measures
-from quickreturn.cases.motion.of_turn import OF_TURN, OfTurn, rms_over_time
+from quickreturn.cases.motion.of_turn import OfTurn, at_shaft, crank_damping, declared, rms_over_time
 from quickreturn.cases.motion.settling import GRID, on_common_grid
 from quickreturn.cases.motion.time_scale import CHANNELS, time_scale
 from quickreturn.engines.error_parts import Compared, ErrorPart, total
@@ -47,7 +46,7 @@ ASIDE: Final = 0.25
 AT_LEAST: Final = {"first_mode_frequency": 0.075, "first_mode_amplitude": 0.4}
 #: Key of the time of a turn among the estimates of changes.
 TIME: Final = "time"
-#: Key of the estimate of a number of `OF_TURN`.
+#: Key of the estimate of a number of a turn, `of_turn.declared`.
 NUMBER: Final = "number"
 
 #: Column whose difference stands for that of the motion.
@@ -85,7 +84,7 @@ class MeasuredCycle:
     signals: Mapping[tuple[str, str], HalfSignal]  # by half and column
     rms: Mapping[str, float]  # column -> root mean square over time, mean of the cycles
     change: Mapping[str, float]  # column, `TIME` among them -> change in a cycle, mean of the cycles
-    numbers: Mapping[str, float]  # measure of `OF_TURN` whose columns are there -> number, mean of the cycles
+    numbers: Mapping[str, float]  # name of an `OfTurn` whose columns are there -> number, mean of the cycles
 
     @classmethod
     def of(cls, cycles: Sequence[Columns], measures: CycleMeasures, damping: float = 0.0) -> "MeasuredCycle":
@@ -96,7 +95,7 @@ class MeasuredCycle:
         signals = {(half, name): HalfSignal.of(values[:, part]) for half, part in halves.items() for name, values in columns.items()}
         rms = {name: float(np.mean([rms_over_time(cycle["time"], cycle[name]) for cycle in cycles])) for name in columns}
         change = {name: float(np.mean([cycle[name][-1] - cycle[name][0] for cycle in cycles])) for name in (TIME, *columns)}
-        given = [each for each in OF_TURN if all({*each.columns} <= cycle.keys() for cycle in cycles)]
+        given = [each for each in declared() if all({*each.columns} <= cycle.keys() for cycle in cycles)]
         turns = [at_shaft(cycle, damping) for cycle in cycles]
         numbers = {each.name: float(np.mean([each.of(turn) for turn in turns])) for each in given}
         return cls(measures, signals, rms, change, numbers)
@@ -178,7 +177,7 @@ def mean_estimate(measures: Sequence[ChannelMeasures], half: str, channels: Sequ
 def turn_estimates(compared: Sequence[Compared[MeasuredCycle]]) -> dict[str, dict[str, float]]:
     """Column -> "rms" and "change" -> estimate of the error of its root mean square and of its change in a turn, in its unit.
 
-    Measure of `OF_TURN` -> `NUMBER` -> estimate of its error. For `TIME` there is the change alone. A change is as good as twice the
+    Name of an `OfTurn` -> `NUMBER` -> estimate of its error. For `TIME` there is the change alone. A change is as good as twice the
     relative difference of the tip's deflection at best, because work is of second order in the motion.
     """
     if not compared:
@@ -193,7 +192,7 @@ def turn_estimates(compared: Sequence[Compared[MeasuredCycle]]) -> dict[str, dic
             "change": _total(compared, partial(_apart, "change", name)) + at_least,
             "rms": _total(compared, partial(_apart, "rms", name)) + ASIDE * _total(compared, partial(_rms_apart, name)),
         }
-    return estimates | {each.name: {NUMBER: _of_number(compared, each)} for each in OF_TURN if each.name in delivered.numbers}
+    return estimates | {each.name: {NUMBER: _of_number(compared, each)} for each in declared() if each.name in delivered.numbers}
 
 
 def _of_number(compared: Sequence[Compared[MeasuredCycle]], measure: OfTurn) -> float:

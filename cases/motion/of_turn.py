@@ -1,22 +1,25 @@
 """Measures that a function gives of the columns of a turn.
 
-A new one is declared in `OF_TURN`, and appears wherever measures do (`cases.motion.catalogue`). The engine's estimate of its error comes
-from the same function of the turns that the engine compares (`cases.motion.estimates`).
+A new one is declared in `OF_TURN`, or by a plugin (`engines.plugins.Plugin.measures`), and appears wherever measures do
+(`cases.motion.catalogue`). The engine's estimate of its error comes from the same function of the turns that the engine compares
+(`cases.motion.estimates`).
 """
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
-from typing import Final
+from functools import cache
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.loads import drive
-from quickreturn.cases.loads.drive import Turn
+from quickreturn.engines.plugins import found, places
+from quickreturn.reference_model.mechanism import Mechanism
 
 Array = NDArray[np.float64]
+#: Columns of a turn from the slider's farthest place to the next, by name, in SI units, each of shape (rows,).
+Turn = Mapping[str, Array]
 
 
 @dataclass(frozen=True)
@@ -46,10 +49,6 @@ class OfTurn:
     prescribed: bool = False  # whether only a crank at a prescribed speed has it
     in_tables: TableColumn | None = None  # None: tables do not show it; it is a variable of `sweep`, and a key of the JSON document
 
-    def by_spacing(self, turn: Turn) -> float:
-        """Uncertainty from the spacing of rows, see `by_spacing`."""
-        return by_spacing(self.of, turn, self.columns)
-
 
 def by_spacing(of: Callable[[Turn], float], turn: Turn, columns: Sequence[str]) -> float:
     """Uncertainty of a number from the spacing of rows: the larger difference to those of every second row, with even or odd numbers.
@@ -78,33 +77,16 @@ def variation_of_speed(turn: Turn) -> float:
     return float(turn["crank_speed"].max() - turn["crank_speed"].min()) / mean_speed(turn)
 
 
-#: Columns for the torque of the drive at the shaft and its power over time, and for the torque over the crank angle.
-_POWER: Final = ("time", *drive.POWER)
-_OVER_ANGLE: Final = ("time", "crank_angle", "crank_torque")
+def crank_damping(mechanism: Mechanism) -> float:
+    """Damping of the crank, N m s/rad; 0 at a prescribed speed."""
+    return float(getattr(mechanism.crank.drive, "damping", 0.0))
 
 
-def harmonic_parts(order: int) -> tuple[OfTurn, OfTurn]:
-    """The parts of a harmonic of the torque in phase with the cosine and the sine of so many times the crank angle."""
-
-    def part(name: str, words: str, wave: Callable[[Array], Array]) -> OfTurn:
-        meaning, of = f"part of harmonic {order} of the drive's torque in phase with the {words}", partial(drive.harmonic, order, wave)
-        return OfTurn(f"torque.harmonic_{order}.{name}", "N m", meaning, _OVER_ANGLE, of, scale=drive.rms_torque, prescribed=True)
-
-    return part("cos", "cosine", np.cos), part("sin", "sine", np.sin)
-
-
-def _of_bearings() -> Iterator[OfTurn]:
-    """Equivalent loads of the bearings."""
-    for force, (parts, angles) in drive.BEARINGS.items():
-        for kind, exponent in drive.EXPONENTS.items():
-            yield OfTurn(
-                f"equivalent.{force}.{kind}",
-                "N",
-                f"constant load that fatigues a {kind} bearing as {force} does over the angle that the bearing turns",
-                ("time", *dict.fromkeys((*parts, *angles))),
-                partial(drive.equivalent_load, force, exponent),
-                size=True,
-            )
+def at_shaft(turn: Turn, damping: float) -> Turn:
+    """The turn with the torque that reaches the crank's shaft: torque and damping (N m s/rad) stand for a motor and its characteristic."""
+    if damping == 0.0 or not {"crank_torque", "crank_speed"} <= turn.keys():
+        return turn
+    return {**turn, "crank_torque": turn["crank_torque"] - damping * turn["crank_speed"]}
 
 
 #: The declarations.
@@ -127,22 +109,15 @@ OF_TURN: Final = (
         size=True,
         in_tables=TableColumn("max − min", ".1f", "%", "crank speed", "crank_speed_variation"),
     ),
-    OfTurn("mean.crank_torque", "N m", "mean torque of the drive at the shaft", _POWER, drive.mean_torque, scale=drive.rms_torque),
-    OfTurn("mean.drive_power", "W", "mean power of the drive at the shaft", _POWER, drive.mean_power, scale=drive.rms_power),
-    OfTurn("rms.drive_power", "W", "root mean square of the power of the drive", _POWER, drive.rms_power, size=True),
-    OfTurn("turn.driven_energy", "J", "energy that the drive gives", _POWER, partial(drive.energy, 1.0), scale=drive.to_and_fro),
-    OfTurn("turn.returned_energy", "J", "energy that the drive takes back", _POWER, partial(drive.energy, -1.0), scale=drive.to_and_fro),
-    *(part for order in range(1, drive.HARMONICS + 1) for part in harmonic_parts(order)),
-    OfTurn(
-        "flywheel.energy",
-        "J",
-        "range of the integral of the drive's torque about its mean over the crank angle",
-        _OVER_ANGLE,
-        drive.energy_fluctuation,
-        size=True,
-        scale=drive.to_and_fro,
-        prescribed=True,
-    ),
-    *_of_bearings(),
-    OfTurn("turn.pivot_angle", "rad", "angle that the bearing P turns in a turn", ("time", "follower_angle"), drive.pivot_angle, size=True),
 )
+
+
+@cache
+def of_plugins() -> tuple[Any, ...]:
+    """What plugins declare: each an `OfTurn`, or a `cases.motion.measure.Measure`."""
+    return tuple(each for place in places("measures") for each in found(place))
+
+
+def declared() -> tuple[OfTurn, ...]:
+    """`OF_TURN` and those of plugins."""
+    return OF_TURN + tuple(each for each in of_plugins() if isinstance(each, OfTurn))

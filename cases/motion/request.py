@@ -221,6 +221,12 @@ class Run:
         """The status of the run."""
         return Ending(self.status)
 
+    @property
+    def mean_crank_speed(self) -> float:
+        """Mean speed of the crank over the cycle, rad/s; negative if it turns clockwise."""
+        angle, time = self.cycle["crank_angle"], self.cycle["time"]
+        return float(angle[-1] - angle[0]) / float(time[-1] - time[0])
+
     def measure(self, half: str, channel: str) -> ChannelMeasures | None:
         """The measure of a half and channel, or None if there is none."""
         return next((measure for measure in self.measured.measures if (measure.half, measure.channel) == (half, channel)), None)

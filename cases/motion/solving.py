@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from quickreturn.cases.loads import Loads, loads_of
 from quickreturn.cases.running.job import Job, Outcome
 from quickreturn.cases.running.records import can_be_stored
 from quickreturn.engines import progress
@@ -16,9 +15,7 @@ from quickreturn.engines.base import AnyEngine, EngineFailure
 from quickreturn.engines.natural_frequencies import natural_frequencies
 from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.scene import simulate_scene
-from quickreturn.engines.trajectory import Columns
 from quickreturn.reference_model.mechanism import Mechanism, Scene
-from quickreturn.reference_model.scene_values import what_moves_nothing
 
 if TYPE_CHECKING:
     from quickreturn.cases.files.case import Case
@@ -42,16 +39,7 @@ class TrajectoryRequest:
 
     def job(self, name: str) -> "Job[Answer]":
         """The request as a job; its failures are results."""
-        return Job(name, answer_to, (self,), "trajectory", inputs=self, **_kept(self.engine))
-
-    def loads_job(self, result: Result) -> Job[Loads]:
-        """The loads on the parts in the trajectory, as a job; estimates are the columns' largest errors at any instant.
-
-        What a time limit cut short has other estimates, or other settings: its loads are not those of the full answer.
-        """
-        arguments = self.scene, result.trajectory.columns, result.largest_errors
-        inputs = self, what_moves_nothing(self.scene), result.settings, result.largest_errors
-        return Job("loads", _loads, arguments, "loads of a trajectory", inputs=inputs, **_kept(self.engine))
+        return Job(name, answer_to, (self,), "trajectory", inputs=self, **kept(self.engine))
 
 
 def inputs_of(case: "Case") -> tuple[Mechanism, float, float]:
@@ -84,17 +72,9 @@ def _lasts(outcome: Outcome[Any]) -> bool:
     return outcome.completed and not hurried and can_be_stored(outcome.value)
 
 
-def _kept(engine: str | AnyEngine) -> dict[str, Any]:
+def kept(engine: str | AnyEngine) -> dict[str, Any]:
     """Arguments of a job for its engine, and for the storage of its answer."""
     return {"engines": (engine,), "lasts": _lasts} if isinstance(engine, str) else {"lasts": None}
-
-
-def _loads(scene: Scene, columns: Columns, largest_errors: Mapping[str, float]) -> Loads:
-    """Loads with the largest errors of the columns: a peak may err by more than the column does in the mean.
-
-    A trajectory contains the transient of its start, and so says nothing on fatigue.
-    """
-    return loads_of(scene, columns, lambda name, _: largest_errors.get(name), cyclic=False)
 
 
 @dataclass(frozen=True)
@@ -111,7 +91,7 @@ def frequencies_job(
 ) -> Job[Frequencies]:
     """The job for at most `count` frequencies at each crank angle (rad)."""
     arguments = mechanism, engine, tuple(crank_angles), count, dict(settings)
-    return Job(name, frequencies_at, arguments, "natural frequencies", **_kept(engine))
+    return Job(name, frequencies_at, arguments, "natural frequencies", **kept(engine))
 
 
 def frequencies_at(

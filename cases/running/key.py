@@ -21,6 +21,7 @@ import numpy as np
 from quickreturn.cases.running.imported_modules import PACKAGE, imported_modules, source_of, text_of
 from quickreturn.cases.running.job import Job
 from quickreturn.engines.base import AnyEngine
+from quickreturn.engines.plugins import places
 from quickreturn.engines.registry import MAIN, engine
 
 #: Code of simulations, besides a third-party engine's own code.
@@ -28,6 +29,8 @@ SIMULATION: Final = ("quickreturn.reference_model", "quickreturn.engines")
 
 #: Code that converts results to records and back.
 _RECORDS: Final = "quickreturn.cases.running.records"
+#: Module that takes measures from plugins: what imports it depends on their code as well.
+_MEASURES: Final = "quickreturn.cases.motion.of_turn"
 #: Packages and modules that start jobs, write files, or show results and progress: no result depends on them.
 ONLY_TALK: Final = (
     "quickreturn.cases.running",
@@ -106,7 +109,9 @@ def sources_of(module: str) -> dict[str, Path]:
             return None
         return Path(spec.origin) if spec is not None and spec.origin is not None and spec.origin.endswith(".py") else None
 
-    return imported_modules([module, _RECORDS], find=find)
+    found = imported_modules([module, _RECORDS], find=find)
+    of_plugins = [place.partition(":")[0] for place in places("measures")] if _MEASURES in found else []
+    return imported_modules([*found, *of_plugins], find=find) if of_plugins else found
 
 
 def code_fingerprint(parts: tuple[str, ...] = SIMULATION, engine: AnyEngine | None = None) -> str:

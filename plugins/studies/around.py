@@ -14,8 +14,9 @@ from quickreturn.cases.comparison.campaign import Work
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.keys import PATHS
 from quickreturn.cases.files.shown import Unit, Units
-from quickreturn.cases.loads import Resonance, ordinal, resonance
-from quickreturn.cases.motion.catalogue import MEASURES, Measure
+from quickreturn.cases.motion.catalogue import MEASURES
+from quickreturn.cases.motion.measure import Measure
+from quickreturn.cases.motion.resonance import Resonance, ordinal, resonance
 from quickreturn.cases.motion.stability import UNSTABLE
 from quickreturn.cases.running.job import Job
 from quickreturn.cases.running.workshop import Workshop
@@ -26,7 +27,6 @@ from quickreturn.plugins.studies.resonance_curve.search import PROMINENT, job_ar
 from quickreturn.plugins.studies.uncertainty.parameters import Parameter
 from quickreturn.reference_model.rigid import mean_crank_speed
 from quickreturn.reports.page.content import Content
-from quickreturn.reports.results.loads import settled_speed
 from quickreturn.reports.words import MINUS, TIED, in_words, listed, number, percent, size
 
 
@@ -191,7 +191,7 @@ def around_of(content: Content) -> list[Around]:
     """The resonance curves of the user's own machines, around their speeds."""
     if content.workshop is None or not content.is_own:
         return []
-    speeds = {result.case.name: settled_speed(result) for result in content.results}
+    speeds = {result.case.name: result.settled_speed for result in content.results}
     return curves_around([result.case for result in content.results], content.workshop, speeds)
 
 

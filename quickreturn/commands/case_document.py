@@ -19,7 +19,7 @@ from quickreturn.cases.files.keys import PATHS, SECTIONS, shown_value, unit_give
 from quickreturn.cases.files.plausibility import doubts
 from quickreturn.cases.files.shown import Unit
 from quickreturn.cases.files.written import as_toml
-from quickreturn.cases.loads import resonance
+from quickreturn.cases.motion.resonance import resonance
 from quickreturn.descriptions import by_each, model
 from quickreturn.engines.registry import own_engines
 from quickreturn.reference_model.mechanism import Scene

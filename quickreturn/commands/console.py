@@ -199,10 +199,10 @@ def tell_doubts(cases: "Sequence[Case]") -> None:
 
 def tell_slow(cases: "Sequence[Case]") -> None:
     """Name on standard error each case whose crank turns so slowly that its steady state takes minutes."""
-    from quickreturn.cases.motion.slow_turns import warning
+    from quickreturn.cases.motion.resonance import slow_turns
 
     for case in cases:
-        if slow := warning(case):
+        if slow := slow_turns(case):
             tell(f"{case.name}: {slow}")
 
 

@@ -54,6 +54,7 @@ def simulate(call: Call, no_estimate: bool) -> int:
         )
     get_ready(COMPUTING)  # what it imports takes longer than what this process does
     from quickreturn.commands.solved import NOTHING, solved, written
+    from quickreturn.readings import readings
 
     loaded = call.loaded()
     places = _places(call.output, loaded, call.engines)
@@ -69,7 +70,7 @@ def simulate(call: Call, no_estimate: bool) -> int:
             refusal = refusal or error
             continue
         document = {"case": case.name, "engine": name, "output": places[case.name, name], "notes": case.notes, "accuracy": call.accuracy}
-        documents.append(document | NOTHING | known)
+        documents.append(document | NOTHING | {key: {} for key in readings()} | known)
         texts.append(_text(documents[-1], found, shlex.join(["quickreturn", "show", *call.arguments_for(case)])))
     if documents:
         advice = f"no trajectory is written; --output {_example(loaded, call.engines)} writes {'it' if len(places) == 1 else 'them'}"

@@ -20,8 +20,8 @@ from quickreturn.descriptions import EngineDied, value_of
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.registry import is_foreign
 from quickreturn.engines.trajectory import Trajectory
+from quickreturn.readings import readings
 from quickreturn.reference_model.errors import ToldError
-from quickreturn.reports.results.loads import loads_document
 from quickreturn.reports.words import within_turn
 from quickreturn.solution import Solution, as_csv, opened_store, request_of
 
@@ -43,7 +43,6 @@ NOTHING: Final[dict[str, Any]] = {
     "further_run_skipped": None,
     "remark": "",
     "settings": None,
-    "loads": {},
     "setup_seconds": None,
     "compile_seconds": None,
     "solve_seconds": None,
@@ -110,7 +109,7 @@ def written(outcome: Outcome[Answer], found: Found, path: str | None) -> dict[st
     same = {name: getattr(found.result, name) for name in ("accuracy", *NOTHING) if hasattr(found.result, name)}
     more = {
         "error_parts": [vars(part) for part in found.error_parts],
-        "loads": loads_document(found.loads),
+        **{name: each.document(found.readings[name]) for name, each in readings().items()},
         **vars(found.result.description),
     }
     return known | same | more

@@ -8,10 +8,11 @@ import numpy as np
 
 from quickreturn.cases.comparison.engines import REFERENCE, CaseResult, Kind
 from quickreturn.cases.motion.endings import Ending
+from quickreturn.cases.motion.request import Run
 from quickreturn.engines.registry import MODEL
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.results.engine_differences import Spread, differences, engines_of, spread
-from quickreturn.reports.results.loads import accuracies_missed
+from quickreturn.reports.words import percent, size
 
 #: Largest part of an engine's numbers that may differ by more than claimed if it is to count as agreeing.
 FEW: Final = 0.05
@@ -67,6 +68,18 @@ def answer_of(content: Content) -> Answer:
         **spreads,
         cubic=_cubic(results),
     )
+
+
+def accuracies_missed(result: CaseResult) -> tuple[str, ...]:
+    """A clause for each engine whose estimate misses the accuracy asked, with both."""
+    return tuple(_missed(run) for run in result.runs.values() if run.status == Ending.INACCURATE)
+
+
+def _missed(run: Run) -> str:
+    error, accuracy = run.computation.error_estimate, run.computation.accuracy
+    estimate = "an unknown error" if error is None else f"an error of {size(error)} of the tip’s deflection"
+    asked = "" if accuracy is None else f" where {percent(accuracy, 'g')} was asked"
+    return f"{run.engine} estimates {estimate}{asked}"
 
 
 def _cubic(results: Sequence[CaseResult]) -> Cubic | None:

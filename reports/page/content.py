@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from types import MappingProxyType
 from typing import Any, ClassVar, TypeVar
 
@@ -16,7 +15,6 @@ from quickreturn.cases.motion.time_scale import CHANNELS
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.registry import MAIN
 from quickreturn.reports.page.chapter import MakeChapter
-from quickreturn.reports.results.loads import CaseLoads, loads_of_case
 from quickreturn.reports.verification import Verification
 
 T = TypeVar("T")
@@ -113,11 +111,6 @@ class Content:
     def general_notes(self) -> frozenset[str]:
         """Notes on cases that the page leaves out of its sections on single cases, because another chapter gives them."""
         return frozenset()
-
-    @cached_property
-    def loads(self) -> list[CaseLoads]:
-        """Loads on the parts of the user's own machines."""
-        return [loads_of_case(result) for result in self.results] if self.is_own else []
 
     @property
     def comparisons(self) -> list[MeasuredHalf]:

@@ -1,44 +1,15 @@
-"""The sentences and figures of the first screen: how the engines agree, or what the user's own machine bears."""
+"""The sentences and figures of the first screen, among them how the engines agree."""
 
-import math
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Final
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Final
 
-from markupsafe import Markup
-
-from quickreturn.cases.files.shown import Unit
-from quickreturn.cases.loads import UNITS, Loads
-from quickreturn.cases.motion.number import Number
 from quickreturn.reports.page.answer import Answer, Cubic
 from quickreturn.reports.page.content import Subject
-from quickreturn.reports.results.loads import CaseLoads, axial_words, from_p
-from quickreturn.reports.words import (
-    case_label,
-    counted,
-    degrees,
-    in_words,
-    listed,
-    number,
-    off_by,
-    percent,
-    percents,
-    place,
-    quantity,
-    size,
-)
+from quickreturn.reports.words import case_label, counted, in_words, listed, percent, percents, place, size
 
 #: Largest number of simulations that are named where they miss their accuracy.
 MOST_NAMED: Final = 3
-#: Loads that the first screen gives besides the stress -> what they are.
-_LOADS: Final = {
-    "crank_torque": "largest torque of the drive",
-    "pivot_force": "largest force in the bearing P of the arm",
-    "crank_force": "largest force in the bearing O of the crank",
-    "slider_force": "largest force at the slider",
-    "tip_deflection": "largest deflection of the tip",
-}
-
 Figure = tuple[str, str]
 
 
@@ -52,6 +23,7 @@ class FirstScreen:
         sentences: what was found.
         figures: numbers in large type, each with its meaning.
         resonance: a sentence on how near a resonance is; "" if there is none.
+        along_arm: what is drawn along the arm, for the script (`stage.js`); empty: nothing.
     """
 
     title: str
@@ -59,6 +31,7 @@ class FirstScreen:
     sentences: Sequence[str]
     figures: Sequence[Figure]
     resonance: str = ""
+    along_arm: Mapping[str, Any] = field(default_factory=dict)
 
 
 def agreement_screen(answer: Answer, subject: Subject, title: str, last: Figure | None) -> FirstScreen:
@@ -156,80 +129,3 @@ def figures(answer: Answer, subject: Subject, last: Figure | None) -> list[Figur
         where = place(extreme.case, extreme.half, extreme.channel)
         shown.append((size(extreme.relative), f"largest difference of a peak ({where})"))
     return [*shown, last] if last else shown
-
-
-def machine_screen(case: CaseLoads, nearness: str = "") -> FirstScreen:
-    """What the person who builds a machine asks first; `nearness`: how near a resonance is, by its curve, if it has one."""
-    if not case.lead:
-        none = "No engine gives the stress of this machine’s arm: the chapter Provenance gives the reasons."
-        return FirstScreen(case.case.title, "", [none], [])
-    missed = f"These numbers miss their accuracy: {'; '.join(case.missed)}." if case.missed else ""
-    beside = " An error beside a number below is the engine’s own estimate of it."
-    texts = [case.verdict, largest_stress_words(case), departure_words(case)]
-    return FirstScreen(case.case.title, missed and missed + beside, texts, machine_figures(case), nearness or case.resonance_sentence)
-
-
-def largest_stress_words(case: CaseLoads) -> str:
-    """Where and when the arm bears the largest stress."""
-    stress = _largest(case.loads[case.lead])
-    assert stress.place is not None
-    share = percent(stress.place / case.case.mechanism.follower.length, ".0f")
-    where = from_p(stress, case.case.units)
-    return f"The largest stress is {where}, at {share} of the arm’s length, when the crank stands at {_angle(stress)}."
-
-
-def departure_words(case: CaseLoads) -> str:
-    """How much more or less stress the other engines find; "" without any."""
-    found = [f"{name} finds {size(part)} {'more' if part > 0.0 else 'less'}" for name, part in case.departures().items()]
-    return f"{case.lead} says so; {listed(found)}." if found else ""
-
-
-def machine_figures(case: CaseLoads) -> list[Figure]:
-    """The large numbers: stress, safety, forces, and the first mode over the crank's frequency."""
-    loads, resonance, units = case.loads[case.lead], case.resonance, case.case.units
-    stress = _largest(loads)
-    assert loads.stress is not None
-    parts = axial_words(loads.stress.axial, units) or "bending alone"
-    shown = [(quantity(stress.value, units.of("Pa")), f"largest stress in the arm: {parts}{_error(stress)}"), safety_figure(case)]
-    for key, what in _LOADS.items():
-        peak = loads.peaks[key]
-        if peak and peak.value:
-            shown.append((quantity(peak.value, units.of(UNITS[key])), f"{what}, crank at {_angle(peak)}{_error(peak)}"))
-    if resonance:
-        mean = f"first mode (mean {quantity(resonance.first_mode, units.of('Hz'))}) over the crank’s frequency"
-        off = off_by(case.shift_of_motion, resonance.first_mode)
-        shown.append((number(resonance.ratio, ".2f"), f"{mean}; {off}"))
-    return shown
-
-
-def safety_figure(case: CaseLoads) -> Figure:
-    """The safety factors that are known, the least first."""
-    follower, unit = case.case.mechanism.follower, case.case.units.of("Pa")
-    strengths = {"yielding": ("at", follower.yield_strength), "fatigue": ("at an amplitude of", follower.fatigue_strength)}
-    told = [
-        (factor.text, f"against {against} {strengths[against][0]} {_given(strengths[against][1], unit)}")
-        for against, factor in case.loads[case.lead].factors
-    ]
-    if told:
-        (least, against), *others = told
-        return least, "; ".join([f"safety {against}", *(f"{factor} {other}" for factor, other in others)])
-    return "–", Markup("safety: give <code>yield_strength</code> and <code>fatigue_strength</code> in <code>[follower]</code>")
-
-
-def _given(strength: float | None, unit: Unit) -> str:
-    assert strength is not None
-    return f"{number(strength / unit.size, '.4g')} {unit.sign}"
-
-
-def _largest(loads: Loads) -> Number:
-    assert loads.stress is not None
-    return loads.stress.largest
-
-
-def _angle(peak: Number) -> str:
-    assert peak.crank_angle is not None
-    return degrees(peak.crank_angle)
-
-
-def _error(peak: Number) -> str:
-    return "; the engine gives no error" if math.isnan(peak.error) else f"; {off_by(peak.error, peak.value)}"

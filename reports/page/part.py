@@ -6,9 +6,10 @@ from functools import cache
 
 from quickreturn.cases.comparison.campaign import Work
 from quickreturn.cases.files.case import Case
-from quickreturn.engines.plugins import found, plugins
+from quickreturn.engines.plugins import found, places
 from quickreturn.reports.page.chapter import MakeChapter
 from quickreturn.reports.page.content import Content
+from quickreturn.reports.page.first_screen import Figure, FirstScreen
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,6 +22,7 @@ class Part:
         work: what is computed together with the runs, for cases, names of engines, and whether the cases are the user's own machines.
         content: class of the content for some cases, if these are a subject of the plugin; otherwise None.
         figure: a number in large type for the first screen with its meaning, or None.
+        machines: case -> what the first screen says of it, if these are the user's own machines; otherwise empty.
         nearness: case -> a sentence on how near a resonance the machine is, where the plugin knows more than the nearest harmonic.
         of_engines: heading of a column in the table of engines -> for each engine a text.
     """
@@ -29,7 +31,8 @@ class Part:
     templates: Sequence[str] = ()
     work: Callable[[Sequence[Case], Sequence[str], bool], Work] | None = None
     content: Callable[[Sequence[Case]], type[Content] | None] | None = None
-    figure: Callable[[Content], tuple[str, str] | None] | None = None
+    figure: Callable[[Content], Figure | None] | None = None
+    machines: Callable[[Content], Mapping[str, FirstScreen]] | None = None
     nearness: Callable[[Content], Mapping[str, str]] | None = None
     of_engines: Mapping[str, Callable[[Content], Mapping[str, str]]] = field(default_factory=dict)
 
@@ -37,7 +40,7 @@ class Part:
 @cache
 def parts() -> tuple[Part, ...]:
     """The parts of the installed plugins."""
-    return tuple(found(plugin.page) for plugin in plugins().values() if plugin.page)
+    return tuple(map(found, places("page")))
 
 
 def nearness_of(content: Content) -> dict[str, str]:

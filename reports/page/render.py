@@ -15,7 +15,7 @@ from quickreturn.reports import words
 from quickreturn.reports.page.answer import answer_of
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
-from quickreturn.reports.page.first_screen import Figure, agreement_screen, machine_screen
+from quickreturn.reports.page.first_screen import Figure, agreement_screen
 from quickreturn.reports.page.part import nearness_of, parts
 from quickreturn.reports.page.view import View, cycles, shown_first, trajectories
 from quickreturn.reports.tables.table import csv_text
@@ -83,12 +83,11 @@ def rendered(template: str, view: View, more: tuple[str, ...] = (), packages: tu
 def report_page(content: Content, chapters: Sequence[Chapter]) -> str:
     """The page of a report."""
     results, answer = content.results, answer_of(content)
-    view = cycles(results, answer.engines, content.loads)
+    machines = next(filter(None, (part.machines(content) for part in parts() if part.machines)), {})
+    view = cycles(results, answer.engines, {name: screen.along_arm for name, screen in machines.items()})
     view.drawn = [series.of for chapter in chapters for plot in chapter.plots for series in plot.series]
     shown = shown_first(results)
     title_of_case = shown.case.title if len(results) == 1 else ""
-    curves = content.of(nearness_of)
-    stressed = content.loads if any(loads.lead for loads in content.loads) else []
     figures = (part.figure(content) for part in parts() if part.figure)
     simulations = f"{words.counted(len(results), 'run')} × {words.counted(len(answer.engines), 'engine')}"
     return rendered(
@@ -100,8 +99,8 @@ def report_page(content: Content, chapters: Sequence[Chapter]) -> str:
         title=title_of_case or "Cross-validation of flexible-multibody engines",
         subtitle=f"cross-validation report · {simulations} · {content.facts.get('date', '')[:10]}",
         screen=agreement_screen(answer, content.subject, title_of_case, next(filter(None, figures), _first_mode(shown))),
-        machines=[(loads, machine_screen(loads, curves.get(loads.case.name, ""))) for loads in stressed],
-        curves=curves,
+        machines=machines,
+        curves=content.of(nearness_of),
         shown=shown.case.name,
         chapters=chapters,
     )

@@ -32,9 +32,10 @@ from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.tip_force import tip_force
 from quickreturn.reports.line_styles import Look, looks
 from quickreturn.reports.page.content import of_library
-from quickreturn.reports.results.loads import CaseLoads
 
 Array = NDArray[np.float64]
+#: What is drawn along the arm, in the script's form (`FirstScreen.along_arm`).
+Along = Mapping[str, Any]
 
 #: Column that the curve can show -> its name.
 SIGNALS: Final = {
@@ -48,8 +49,6 @@ SIGNALS: Final = {
     "crank_speed": "crank speed",
     "crank_torque": "crank torque",
 }
-#: Places along the arm at which its stress is drawn.
-ALONG: Final = 61
 #: Crank angles at which the direction of the tool's force is told.
 FORCES: Final = 72
 #: Bytes a value in a column whose values are shown, and in one that is only drawn.
@@ -70,8 +69,8 @@ class View:
     blobs: list[str] = field(default_factory=list)  # the packed motions of each of them
     drawn: Sequence[str] = ()  # names of other items drawn on the page
 
-    def add(self, case: Case, motions: Mapping[str, Mapping[str, Array]], facts: Mapping[str, str], loads: CaseLoads | None = None) -> None:
-        """Add a case with the columns of each engine that has a motion; `facts`: remarks on engines; `loads`: the stress in the arm."""
+    def add(self, case: Case, motions: Mapping[str, Mapping[str, Array]], facts: Mapping[str, str], along: Along | None = None) -> None:
+        """Add a case with the columns of each engine that has a motion; `facts`: remarks on engines; `along`: see `cycles`."""
         entry = ENTRIES.get(case.name) if case.source == "library" else None
         kept = {name: _kept(columns) for name, columns in motions.items()}
         blob, layouts = packed(kept, frozenset(SHAPE))
@@ -85,7 +84,7 @@ class View:
                 "scene": _scene(case.mechanism),
                 "engines": layouts,
                 "facts": dict(facts),
-                "stress": _stress(loads, self.units),
+                "stress": along or None,
             }
         )
 
@@ -108,21 +107,21 @@ class View:
         }
 
 
-def cycles(results: Sequence[CaseResult], engines: Sequence[str], loads: Sequence[CaseLoads] = ()) -> View:
+def cycles(results: Sequence[CaseResult], engines: Sequence[str], along: Mapping[str, Along] | None = None) -> View:
     """The steady cycles of all cases, from the slider's farthest place to the next; recorded tables follow the engines.
 
     Args:
         results: results of the cases.
         engines: names.
-        loads: loads of the cases whose stress is drawn.
+        along: case -> what is drawn along its arm.
     """
-    stressed = {loads_of_case.case.name: loads_of_case for loads_of_case in loads if loads_of_case.lead}
     names = list(dict.fromkeys([*engines, *(name for result in results for name in result.recorded)]))
     view = View("crank_angle", names, results[0].case.units)
     for result in results:
         runs = result.with_tables.runs
         motions = {name: run.cycle for name, run in runs.items() if (run.usable or run.status == Ending.NOT_SETTLED) and run.cycle}
-        view.add(result.case, motions, {name: _fact(run, view.units) for name, run in runs.items()}, stressed.get(result.case.name))
+        facts = {name: _fact(run, view.units) for name, run in runs.items()}
+        view.add(result.case, motions, facts, (along or {}).get(result.case.name))
     return view
 
 
@@ -136,25 +135,6 @@ def trajectories(case: Case, motions: Mapping[str, Mapping[str, Array]]) -> View
 def _scaled(unit: Unit) -> dict[str, Any]:
     """A unit for the script: its sign, and the factor from SI."""
     return {"unit": unit.sign, "factor": 1.0 / unit.size}
-
-
-def _stress(loads: CaseLoads | None, units: Units) -> dict[str, Any] | None:
-    """Least and greatest stress along the arm over the cycle, at even arc lengths from P to the tip; None where not known."""
-    stress = None if loads is None else loads.loads[loads.lead].stress
-    if loads is None or stress is None:
-        return None
-    places = np.linspace(0.0, stress.places[-1], ALONG)
-    unit = units.of("Pa")
-    low, high = (np.interp(places, stress.places, values / unit.size) for values in (stress.lowest, stress.highest))
-    largest = stress.largest
-    return {
-        "engine": loads.lead,
-        "low": [float(f"{value:.4g}") for value in low],
-        "high": [float(f"{value:.4g}") for value in high],
-        "largest": largest.value / unit.size,
-        "unit": unit.sign,
-        "at": None if largest.place is None else largest.place / float(stress.places[-1]),
-    }
 
 
 def _fact(run: Run, units: Units) -> str:

@@ -1,1 +1,1 @@
-"""What several chapters, the first screen and commands read off results: differences between engines, loads, the drive, a turn."""
+"""What several chapters, the first screen and commands read off results: differences between engines."""

@@ -11,13 +11,12 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from quickreturn.cases.files.case_file import load_case
-from quickreturn.cases.loads.arm import known_moments
-from quickreturn.cases.loads.axial import axial_forces
 from quickreturn.engines.accurate import simulate
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.relative import rms, scale
 from quickreturn.engines.start import standard_start
+from quickreturn.plugins.strength.arm import axial_forces, known_moments
 from quickreturn.reference_model.columns import AXIAL, BEARINGS, BENDING, MOMENTS, PLACES, SHAPE
 from quickreturn.reference_model.follower import Follower
 from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, PrescribedSpeed, Scene

@@ -11,7 +11,8 @@ from scipy.integrate import quad
 
 from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.files.recorded import table_of
-from quickreturn.cases.motion.catalogue import MEASURES, SettledMotion
+from quickreturn.cases.motion.catalogue import MEASURES
+from quickreturn.cases.motion.measure import SettledMotion
 from quickreturn.cases.motion.request import RunRequest
 from quickreturn.cases.motion.steady_state import steady_state
 from quickreturn.engines.accurate import simulate

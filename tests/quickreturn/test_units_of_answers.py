@@ -11,8 +11,8 @@ import pytest
 
 from quickreturn.cases.comparison.engines import CaseResult
 from quickreturn.cases.files.printable import in_lines
+from quickreturn.plugins.strength.case_loads import loads_of_case
 from quickreturn.reports.page.chapters import chapters_of
-from quickreturn.reports.results.loads import loads_of_case
 from quickreturn.verdict_text import parts_of
 from tests.quickreturn.conftest import Call
 from tests.reports.pages import one_run, plain

@@ -7,9 +7,10 @@ from functools import cache
 import numpy as np
 import pytest
 
-from quickreturn.cases.loads import HARDLY, resonance, share_of
+from quickreturn.cases.motion.resonance import resonance
 from quickreturn.engines.own.simulation import OwnSimulation
 from quickreturn.engines.registry import usable_engine
+from quickreturn.plugins.strength.case_loads import HARDLY, share_of
 from quickreturn.plugins.studies.resonance_curve.search import _maxima
 from quickreturn.reference_model.cycles.continuation import Branch, branch
 from quickreturn.reference_model.cycles.cycle_family import CycleFamily

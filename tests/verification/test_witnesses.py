@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from quickreturn.cases.library import library_case
-from quickreturn.cases.loads import loads_of
 from quickreturn.cases.motion.catalogue import MEASURES
 from quickreturn.cases.motion.orbit import Curve, Orbit, PeriodicStart, find_orbit
 from quickreturn.engines.base import Refusal
@@ -28,6 +27,7 @@ from quickreturn.engines.relative import rms
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import Columns
+from quickreturn.plugins.strength.loads import loads_of
 from quickreturn.plugins.studies.sweep.rows import MeasureRequest, row
 from quickreturn.reference_model.columns import AXIAL
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive

@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from quickreturn.cases.motion.catalogue import Measure
+from quickreturn.cases.motion.measure import Measure
 from quickreturn.plugins.studies.resonance_curve.range import SPEED
 
 #: Largest number of letters of an axis' label: two lines.

@@ -15,7 +15,8 @@ from quickreturn.cases.files.case import Case, parse_case
 from quickreturn.cases.files.errors import Argument, CaseError, as_written, texts_given
 from quickreturn.cases.files.keys import si_text, unit_given
 from quickreturn.cases.files.shown import Units
-from quickreturn.cases.motion.catalogue import MEASURES, Measure, measure
+from quickreturn.cases.motion.catalogue import MEASURES, measure
+from quickreturn.cases.motion.measure import Measure
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.computing import checked
 from quickreturn.engines.registry import usable_engine

@@ -1,4 +1,4 @@
-"""Measures of a motion on a resonance curve, their error claims, and the tops of its peaks."""
+"""Measures of a motion on a resonance curve, their error claims, the tops of its peaks, and what drives these."""
 
 import math
 from collections.abc import Sequence
@@ -8,14 +8,19 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.motion.catalogue import MEASURES, SettledMotion
+from quickreturn.cases.motion.catalogue import MEASURES
+from quickreturn.cases.motion.measure import SettledMotion
 from quickreturn.cases.motion.number import Number
 from quickreturn.cases.motion.request import Run
+from quickreturn.cases.motion.resonance import ANGLES
 from quickreturn.plugins.studies.resonance_curve.curve import ResonancePeak
 from quickreturn.reference_model.cycles.continuation import between
 from quickreturn.reference_model.cycles.cycle_family import CycleFamily
 from quickreturn.reference_model.cycles.fixed_points import BranchPoint, NotConverged
 from quickreturn.reference_model.cycles.poincare import CycleBroken
+from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.reference_model.natural_modes import frozen_crank_modes, turn_angles
+from quickreturn.reference_model.rigid import mean_crank_speed
 
 Array = NDArray[np.float64]
 
@@ -24,6 +29,10 @@ ROWS: Final = 256
 #: Error of the place of a peak's top, over the distance of the points beside it. It counts at kinks, where another instant of the turn
 #: becomes the highest: elsewhere the height is off by its square.
 TOP: Final = 2e-3
+#: Distance of a ratio of frequencies from a whole number above which it lies between two, and below which it is close to one. At the peaks
+#: of run 24's machine the first mode is 0.01 to 0.14 from a multiple of the crank's speed.
+BETWEEN: Final = 0.25
+CLOSE: Final = 0.1
 
 
 def numbers_of(family: CycleFamily, point: Array, value: float, measures: Sequence[str]) -> list[Number]:
@@ -70,3 +79,16 @@ def topped(family: CycleFamily, points: Sequence[BranchPoint], peak: ResonancePe
         return replace(peak, value=motion(float(top.x))[1], height=-float(top.fun))
     except (CycleBroken, NotConverged):
         return peak
+
+
+def driven(mechanism: Mechanism) -> tuple[int, int]:
+    """The harmonic of the crank's speed that drives a mode most, and the mode's number, for a scene at a peak of its resonance curve.
+
+    That is the multiple of the speed nearest to the mean frequency of the first mode, unless the speed lies between two such multiples and
+    close to one of the second mode.
+    """
+    modes = [frozen_crank_modes(mechanism, angle, 2).frequencies for angle in turn_angles(mechanism, ANGLES)]
+    ratios = np.asarray(np.trapezoid(modes, axis=0)) / (len(modes) - 1) / (abs(mean_crank_speed(mechanism)) / (2.0 * math.pi))
+    first, second = np.abs(ratios - np.round(ratios))
+    mode = 1 if second > CLOSE or first < BETWEEN else 2
+    return max(1, round(float(ratios[mode - 1]))), mode

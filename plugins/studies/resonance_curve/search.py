@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.errors import CaseError, nearest_or_all
 from quickreturn.cases.files.units import in_si
-from quickreturn.cases.loads.resonance import driven, resonance
-from quickreturn.cases.motion.catalogue import ARGUMENT, MEASURES, Measure
+from quickreturn.cases.motion.catalogue import ARGUMENT, MEASURES
+from quickreturn.cases.motion.measure import Measure
+from quickreturn.cases.motion.resonance import resonance
 from quickreturn.cases.running.job import Job
 from quickreturn.cases.running.pieces import Pieces
 from quickreturn.engines import progress
@@ -22,7 +23,7 @@ from quickreturn.engines.base import EngineFailure, Refusal
 from quickreturn.engines.error_parts import comparison_by, counted
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.plugins.studies.resonance_curve.curve import MULTIPLIER_TOLERANCE, ResonanceCurve, ResonancePeak, SpecialPoint
-from quickreturn.plugins.studies.resonance_curve.measuring import claims_on, numbers_of, topped
+from quickreturn.plugins.studies.resonance_curve.measuring import claims_on, driven, numbers_of, topped
 from quickreturn.plugins.studies.resonance_curve.range import SPEED, Range
 from quickreturn.reference_model.columns import OBSERVED
 from quickreturn.reference_model.cycles.continuation import FIRST_STEP, MOST_POINTS, Branch, Ending, Stretch, enough, stretch, turned

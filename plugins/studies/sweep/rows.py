@@ -14,12 +14,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.loads.drive import crank_damping
-from quickreturn.cases.motion.catalogue import SettledMotion, measure
+from quickreturn.cases.motion.catalogue import measure
 from quickreturn.cases.motion.cycle import measure_cycle
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.estimates import MOTION, MeasuredCycle, MeasuredNumbers
 from quickreturn.cases.motion.marching import output_step
+from quickreturn.cases.motion.measure import SettledMotion
+from quickreturn.cases.motion.of_turn import crank_damping
 from quickreturn.cases.motion.orbit import compared_orbits, orbit_of, periodic_state, stability_of
 from quickreturn.cases.motion.request import Approach, Computation, PeriodicOrbit, Run, RunRequest
 from quickreturn.cases.motion.stability import NOT_CONVERGED, multiplier_of, nearly_one

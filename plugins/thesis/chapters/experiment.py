@@ -13,7 +13,6 @@ from quickreturn.plugins.thesis.page_data import ThesisData
 from quickreturn.plugins.thesis.runs import thesis_runs
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.results.engine_differences import engines_of
-from quickreturn.reports.results.loads import mean_crank_speed
 from quickreturn.reports.tables.cells import CASE, CHANNEL
 from quickreturn.reports.tables.table import Cell, Column, ColumnList, Table
 from quickreturn.reports.words import listed, number, percents, span
@@ -100,7 +99,7 @@ def speeds_and_axes(results: Sequence[CaseResult], axes: Sequence[AxisComparison
         measured = measured_crank_speed(run_number)
         reference = result.runs.get(REFERENCE)
         if reference is not None and reference.usable:
-            cells["simulated_speed"] = mean_crank_speed(reference)
+            cells["simulated_speed"] = reference.mean_crank_speed
         table.add(
             case=result.case.name,
             measured_speed=Cell(None, "none printed", "tables 3.1 and 5.2 say N/A") if measured is None else measured,

@@ -12,8 +12,8 @@ from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.files.errors import CaseError
 from quickreturn.cases.files.keys import PATHS
 from quickreturn.cases.files.shown import METRIC, SETS, Unit, Units, units_named, units_of
-from quickreturn.cases.loads import Resonance
 from quickreturn.cases.motion.catalogue import MEASURES
+from quickreturn.cases.motion.resonance import Resonance
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reports.words import MINUS, TIED, quantity
 from tests.quickreturn.scene_file import SCENE

@@ -10,7 +10,7 @@ from quickreturn.cases.library import library_case
 from quickreturn.cases.motion.catalogue import MEASURES, numbers
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.number import NO_NUMBER, Number
-from quickreturn.cases.motion.of_turn import OF_TURN, OfTurn, rms_over_time
+from quickreturn.cases.motion.of_turn import OF_TURN, by_spacing, rms_over_time
 from quickreturn.cases.motion.request import Run
 from quickreturn.engines.error_parts import ErrorPart
 
@@ -45,9 +45,8 @@ def test_a_number_of_a_turn_is_off_by_no_more_than_the_spacing_of_rows_says(rows
 
     time = np.linspace(0.0, 0.5, rows)
     turn = {"time": time, "crank_speed": np.sin(24.0 * np.pi * time)}
-    measure = OfTurn("rms.rate", "rad/s^2", "rate of the speed", ("time", "crank_speed"), rms_of_rate)
     error = abs(rms_of_rate(turn) - 24.0 * np.pi / np.sqrt(2.0))
-    assert 1e-4 < error < measure.by_spacing(turn) < 5.0 * error
+    assert 1e-4 < error < by_spacing(rms_of_rate, turn, ("time", "crank_speed")) < 5.0 * error
 
 
 def test_a_column_that_an_engine_does_not_give_leaves_no_number() -> None:

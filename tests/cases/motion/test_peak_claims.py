@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from quickreturn.cases.library import library_case
-from quickreturn.cases.motion.solving import TrajectoryRequest
 from quickreturn.engines.accurate import simulate
 from quickreturn.engines.error_parts import TIP, Compared, parts_of
 from quickreturn.engines.one_run import run_once
@@ -41,15 +40,6 @@ def test_the_error_of_a_moment_at_a_light_end_is_relative_to_the_arm() -> None:
     parts, largest = parts_of(run, [Compared(run, finer, 0.0)], 1.0)
     assert parts["moment_base"][0].error == pytest.approx(5e-4)
     assert largest["moment_base"] == pytest.approx(1e-3)
-
-
-def test_loads_of_a_trajectory_claim_the_largest_error_of_a_column() -> None:
-    case = library_case("thesis-17")
-    result = simulate(ReferenceEngine(), case.mechanism, standard_start(case.mechanism), 0.1, 1e-3)
-    request = TrajectoryRequest(scene=case.scene, duration=0.1, output_step=1e-3, engine="reference")
-    job = request.loads_job(result)
-    deflection = job.function(*job.arguments).peaks["tip_deflection"]
-    assert deflection.estimate == result.largest_errors["tip_deflection"]
 
 
 def ratios(mechanism: Mechanism, duration: float) -> list[float]:

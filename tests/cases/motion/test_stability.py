@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from quickreturn.cases.library import library_case
-from quickreturn.cases.motion.catalogue import MEASURES, SettledMotion, measure
+from quickreturn.cases.motion.catalogue import MEASURES, measure
 from quickreturn.cases.motion.endings import Ending
+from quickreturn.cases.motion.measure import SettledMotion
 from quickreturn.cases.motion.request import DIRECT, STANDARD, Run, RunRequest
 from quickreturn.cases.motion.stability import NOT_CONVERGED, UNCOMPARED_ERROR, Multiplier
 from quickreturn.cases.motion.steady_state import steady_state

@@ -101,14 +101,15 @@ def test_what_a_function_imports_counts_and_nothing_else(package: Path) -> None:
 #: Function of a stored job -> some of the modules that it uses, and some that it does not.
 USES = """
 plugins.studies.sweep.grid.measured_row: cases.files.document cases.files.copies cases.files.units cases.files.reading
-    cases.motion.catalogue cases.loads.stress cases.motion.steady_state, not plugins.studies.sweep.study cases.comparison.engines
+    cases.motion.catalogue cases.motion.steady_state plugins.strength.measures plugins.strength.stress,
+    not plugins.studies.sweep.study cases.comparison.engines
 plugins.methods.judging.matrix.evidence_of: cases.library.hard plugins.methods.judging.evidence, not cases.comparison.column_differences
 plugins.conform.contract.conform: plugins.conform.quantities plugins.conform.rods, not cases.comparison.engines
-cases.motion.steady_state.steady_state: cases.motion.drifting_fit cases.motion.marching,
-    not cases.comparison.engines cases.comparison.column_differences plugins.studies.sweep.rows
+cases.motion.steady_state.steady_state: cases.motion.drifting_fit cases.motion.marching plugins.strength.measures,
+    not cases.comparison.engines plugins.strength.words cases.comparison.column_differences plugins.studies.sweep.rows
 cases.motion.orbit.find_orbit: cases.motion.orbit, not cases.comparison.engines
-cases.motion.solving.answer_to: cases.motion.solving, not cases.files.document cases.motion.steady_state
-plugins.studies.resonance_curve.search.resonance_curve: cases.files.copies cases.files.reading cases.loads.peak,
+cases.motion.solving.answer_to: cases.motion.solving, not cases.files.document cases.motion.steady_state plugins.strength.measures
+plugins.studies.resonance_curve.search.resonance_curve: cases.files.copies cases.files.reading plugins.strength.peak,
     not cases.comparison.engines
 plugins.methods.benchmark.measurement.pinned: plugins.methods.trials.truth plugins.methods.trials.methods, not cases.comparison.engines
 plugins.methods.classes.measurement.measured: plugins.methods.classes.groups plugins.methods.trials.truth, not cases.comparison.engines

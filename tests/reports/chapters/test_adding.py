@@ -13,7 +13,6 @@ MODULE = '''"""How fast the cranks turn."""
 
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
-from quickreturn.reports.results.loads import mean_crank_speed
 from quickreturn.reports.tables.cells import CASE
 from quickreturn.reports.tables.table import Column, Table
 from quickreturn.reports.words import counted
@@ -23,7 +22,7 @@ def speeds(content: Content) -> Chapter:
     """The chapter."""
     table = Table("speeds", "Mean speed of the crank.", (CASE, Column("speed", unit="rad/s", form=".1f")))
     for result in content.results:
-        table.add(case=result.case.name, speed=mean_crank_speed(result.runs["reference"]))
+        table.add(case=result.case.name, speed=result.runs["reference"].mean_crank_speed)
     return Chapter("speeds", "How fast it turns", finding(len(table.rows)), {"table": table})
 
 

@@ -14,10 +14,8 @@ from quickreturn.plugins.thesis.sufficiency import splits
 from quickreturn.plugins.thesis.tests.made_up_finding import made_up_finding
 from quickreturn.reports.page.answer import Answer, Cubic
 from quickreturn.reports.page.content import Subject
-from quickreturn.reports.page.first_screen import Figure, machine_screen, sentences
+from quickreturn.reports.page.first_screen import Figure, sentences
 from quickreturn.reports.results.engine_differences import Spread, spread
-from quickreturn.reports.results.loads import CaseLoads
-from tests.reports.made_up_loads import made_up_loads
 from tests.reports.pages import one_run, plain, text_of
 
 
@@ -85,21 +83,3 @@ def test_the_inference_on_the_thesis_has_what_speaks_for_and_against_it() -> Non
     assert all(each in found for each in ("+0.2 % before, −2.0 % after, at 20 kN/m", "but section 3.2", "13 to 18 %", "7 to 10 % faster"))
     assert inference([], "") == ""
     assert found in text_of(one_run(data={finding_of: made_up_finding()}))
-
-
-def test_a_machine_has_its_verdict_its_stress_and_its_warning() -> None:
-    case = made_up_loads()
-    screen = machine_screen(case)
-    found = plain(" ".join(screen.sentences))
-    share = 100.0 * 0.375 / case.case.mechanism.follower.length
-    assert all(each in found for each in ("The arm holds", "2 (± 5.0 %)", "3 (± 3.0 %)", "375 mm from P", f"{share:.0f} %", "324°"))
-    assert (screen.title, screen.warning) == (case.case.title, "")
-    numbers = shown(screen.figures)
-    assert "compression, 0.05000 MPa" in numbers["12.35 MPa"]
-    assert "yielding at 240 MPa; 3 against fatigue" in numbers["2"]
-    assert "18.40 Hz" in numbers["9.20"]
-    missed = machine_screen(dataclasses.replace(case, missed=("a misses it", "b misses it")))
-    assert "a misses it; b misses it." in missed.warning
-    nothing = machine_screen(CaseLoads(case.case, {}))
-    assert "Provenance" in nothing.sentences[0]
-    assert nothing.figures == []

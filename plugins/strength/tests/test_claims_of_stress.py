@@ -1,27 +1,65 @@
 """The largest stress along the arm: alike by engines with files of their own, within their claims, and whatever the spacing of rows."""
 
 import dataclasses
+import itertools
+import math
 from functools import cache
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import pytest
 
-from quickreturn.cases.loads import loads_of
 from quickreturn.cases.motion.number import Number
+from quickreturn.engines.accurate import simulate
 from quickreturn.engines.own.reference import ReferenceEngine
+from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.start import standard_start
+from quickreturn.plugins.strength.loads import loads_of
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import stiffness_ratio
+from quickreturn.reference_model.rigid import crank_pace
 from tests.slices import Portion
+from tests.verification.random_machines import heavy_ends
 from tests.verification.random_scenes import Scene
-from tests.verification.stress import machines, ratios
 
 MACHINES = 200
 #: Machines that a slice of the long tests computes.
 DRAWN = 10
 #: Rows, s, from some thousandth of the last twelfth's period with the tip body on it to some of them.
 ROWS = (1e-6, 1e-5, 1e-4, 5e-4)
+
+
+SEED: Final = 2027
+#: Engines with equations of their own, and accuracies that they are asked for; None: their default.
+ASKED: Final = (("reference", None), ("reference", 1e-2), ("mujoco", None), ("exudyn", None))
+#: Accuracy of `reference` that confirms them.
+CONFIRMING: Final = 1e-4
+IN_A_TURN: Final = 500  # rows
+
+
+def machines(count: int) -> list[Scene]:
+    return list(itertools.islice(heavy_ends(SEED), count))
+
+
+def largest_stress(scene: Scene, engine: str, accuracy: float | None) -> Number:
+    """In the first turn from the standard start."""
+    mechanism = scene.mechanism
+    step = 2.0 * math.pi / crank_pace(mechanism) / IN_A_TURN
+    result = simulate(usable_engine(engine), mechanism, standard_start(mechanism), IN_A_TURN * step, step, accuracy=accuracy)
+    stress = loads_of(mechanism, result.trajectory.columns, lambda name, _: result.largest_errors.get(name)).stress
+    assert stress is not None
+    return stress.largest
+
+
+def ratios(scene: Scene) -> dict[tuple[str, float | None], float]:
+    """Difference of each engine's largest stress from the confirmed one over the sum of both claims."""
+    right, found = largest_stress(scene, "reference", CONFIRMING), {}
+    for engine, accuracy in ASKED:
+        peak = largest_stress(scene, engine, accuracy)
+        assert right.error is not None
+        assert peak.error is not None
+        found[engine, accuracy] = abs(peak.value - right.value) / (peak.error + right.error)
+    return found
 
 
 @cache

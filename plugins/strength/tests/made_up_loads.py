@@ -1,11 +1,12 @@
 """Loads on the parts of the library's example with known numbers, by the reference alone."""
 
 import dataclasses
+from typing import Any
 
-from quickreturn.cases.loads import Factor, Resonance
-from quickreturn.cases.loads.fatigue import Fatigue
 from quickreturn.cases.motion.number import Number
-from quickreturn.reports.results.loads import CaseLoads, loads_of_case
+from quickreturn.cases.motion.resonance import Resonance
+from quickreturn.plugins.strength.case_loads import CaseLoads, loads_of_case
+from quickreturn.plugins.strength.stress import Factor, Fatigue
 from tests.reports.reported_results import reported_result
 
 #: 9.2 oscillations in a turn.
@@ -23,13 +24,13 @@ def made_up_loads() -> CaseLoads:
     fatigue = Fatigue(equivalent=amplitude, notch_factor=1.0, amplitude=8e6, mean=-0.02e6, ranges=(16e6, 4e6))
     stress = dataclasses.replace(loads.stress, largest=largest, axial=Number(-0.05e6), amplitude=amplitude, mean=-0.02e6, fatigue=fatigue)
     factors = {"yield_factor": Factor(2.0, 1.9, 2.1, 0.05), "fatigue_factor": Factor(3.0, 2.9, 3.1, 0.03)}
-    return with_resonance(CaseLoads(found.case, {"reference": dataclasses.replace(loads, stress=stress, modulus=70e9, **factors)}))
+    return with_resonance(CaseLoads(found.result, {"reference": dataclasses.replace(loads, stress=stress, modulus=70e9, **factors)}))
 
 
-def with_resonance(case: CaseLoads, resonance: Resonance | None = RESONANCE) -> CaseLoads:
-    """The same loads beside another first mode, whose error is 0.092 Hz."""
+def with_resonance(case: CaseLoads, **known: Any) -> CaseLoads:
+    """The same loads beside another first mode, whose error is 0.092 Hz; `known`: further values of `CaseLoads`."""
     made = dataclasses.replace(case)
-    vars(made).update(resonance=resonance, shift_of_motion=0.092)  # in the place of what would be computed from the scene
+    vars(made).update(resonance=RESONANCE, shift_of_motion=0.092, **{"share": None} | known)  # in place of what would be computed
     return made
 
 

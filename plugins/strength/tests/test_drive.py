@@ -15,15 +15,15 @@ from quickreturn.cases.files.case import written_document
 from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.files.written import as_toml
 from quickreturn.cases.library import library_case
-from quickreturn.cases.loads.drive import EXPONENTS, HARMONICS, equivalent_load
 from quickreturn.cases.motion.catalogue import MEASURES, numbers
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.number import Number
-from quickreturn.cases.motion.of_turn import OF_TURN
+from quickreturn.cases.motion.of_turn import by_spacing, declared
 from quickreturn.cases.motion.request import Run
 from quickreturn.cases.running.key import hash_of
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
+from quickreturn.plugins.strength.measures import EXPONENTS, HARMONICS, equivalent_load
 from quickreturn.plugins.studies.sweep.rows import MeasureRequest, row
 from quickreturn.reference_model.mechanism import Base, Mechanism, PrescribedSpeed, TorqueDrive
 from quickreturn.reference_model.scene_values import changed
@@ -158,12 +158,12 @@ def test_the_slider_s_pin_turns_by_the_angle_between_crank_and_follower() -> Non
 
 
 @pytest.mark.parametrize("rows", [100, 137, 1001])
-@pytest.mark.parametrize("name", [name for name in NAMES if name in {each.name for each in OF_TURN}])
+@pytest.mark.parametrize("name", [name for name in NAMES if name in {each.name for each in declared()}])
 def test_rows_change_no_number_beyond_its_claim(rows: int, name: str) -> None:
     """A torque and forces with a ringing of 17 times the crank's turn, and a kink."""
-    one = next(each for each in OF_TURN if each.name == name)
+    one = next(each for each in declared() if each.name == name)
     turn = ringing(rows)
-    value, claim, right = one.of(turn), one.by_spacing(turn), one.of(ringing(100_001))
+    value, claim, right = one.of(turn), by_spacing(one.of, turn, one.columns), one.of(ringing(100_001))
     assert abs(value - right) <= claim + 1e-12
     assert rows < 1000 or claim <= 0.02 * max(abs(right), 0.1)
 

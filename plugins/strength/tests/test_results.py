@@ -8,8 +8,13 @@ import pytest
 
 import quickreturn as qr
 from quickreturn.cases.files.printable import in_lines
-from quickreturn.cases.loads import loads_of_run
+from quickreturn.cases.library import library_case
+from quickreturn.cases.motion.solving import TrajectoryRequest
 from quickreturn.cross_validation import CrossValidation
+from quickreturn.engines.accurate import simulate
+from quickreturn.engines.own.reference import ReferenceEngine
+from quickreturn.engines.start import standard_start
+from quickreturn.plugins.strength.loads import loads_job, loads_of_run
 from quickreturn.reports.output import plain
 from quickreturn.verdict_text import as_document, parts_of
 from tests.reports.plotted_results import made_up_result
@@ -72,3 +77,13 @@ def test_loads_are_not_taken_from_those_of_another_strength() -> None:
         assert factor is not None
         factors.append(factor.value)
     assert factors[1] == pytest.approx(2.0 * factors[0])
+
+
+def test_loads_of_a_trajectory_claim_the_largest_error_of_a_column() -> None:
+    case = library_case("thesis-17")
+    result = simulate(ReferenceEngine(), case.mechanism, standard_start(case.mechanism), 0.1, 1e-3)
+    request = TrajectoryRequest(scene=case.scene, duration=0.1, output_step=1e-3, engine="reference")
+    job = loads_job(request, result)
+    deflection = job.function(*job.arguments).peaks["tip_deflection"]
+    assert deflection is not None
+    assert deflection.estimate == result.largest_errors["tip_deflection"]

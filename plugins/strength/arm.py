@@ -1,4 +1,4 @@
-"""The bending moment along the whole arm, from the columns of a trajectory, and the error of its interpolation.
+"""Bending moment and normal force along the whole arm, from the columns of a trajectory, and the errors of their interpolation.
 
 An engine gives the moment at the interior twelfths of the length, at both ends, and at either side of the slider. Those at the ends are
 what the bodies there require by the engine's own accelerations. They are not made of other columns here: the angle of the end follows from
@@ -16,6 +16,15 @@ F n (x_s - x) that its force F has inboard of it.
 On either side of the slider the moment is smooth; its slope jumps there by the slider's force, and the moment itself where the slider has
 rotary inertia. Each side is interpolated separately, by polynomials through the nearest known places. Their error is estimated by leaving
 out every other twelfth.
+
+The normal force, positive in tension, is given at the base, on either side of the slider, and at the flexible end. Between two of these
+places, a and b, it is that of a rigid arm through both values, with the weight w of a length along the arm; c follows from the value at b:
+
+    N(x) = N(a) - w (x - a) + c (x^2 - a^2)
+
+A bent arm departs from this: its tangent turns into the direction of the shear force, and its points move along it. Both are of the second
+order in the deflection, and at most about the shear force times the angle by which the tangent turns: that is the error claimed between the
+given places. Beside the stress of bending it is small: of the order of thickness times deflection over the square of the length.
 """
 
 from collections.abc import Iterator, Mapping
@@ -25,7 +34,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.columns import MOMENTS, PLACES, SHAPE
+from quickreturn.reference_model.columns import AXIAL, MOMENTS, PLACES, SHAPE
 from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.splines import CubicSpline
 from quickreturn.reference_model.tip_force import slide_friction, tip_force
@@ -82,12 +91,6 @@ class KnownMoments:
         """Part of the spring in the moment of some rows at arc lengths `x` (m, shape (some rows, m)), N m; 0 without one."""
         return np.zeros(x.shape) if self.pull is None else self.pull.imag[rows, None] * np.maximum(self.spring - x, 0.0)
 
-    @property
-    def at_slider(self) -> Array | None:
-        """Moment on the side of the slider where its magnitude is larger, N m, shape (rows,); None where there is no slider."""
-        larger = np.where(np.abs(self.inboard) > np.abs(self.outboard), self.inboard, self.outboard)
-        return larger if np.isfinite(self.slider).all() else None
-
     def every(self, step: int) -> "KnownMoments":
         """These moments in every `step`-th row."""
         of_rows: dict[str, Any] = {name: value[::step] for name, value in vars(self).items() if isinstance(value, np.ndarray)}
@@ -95,24 +98,22 @@ class KnownMoments:
 
 
 def missing(scene: Scene, columns: Mapping[str, Array]) -> str:
-    """Why there is no moment along the arm (a clause), because an engine or a table lacks columns; "" where nothing lacks.
+    """Why there is no moment along the arm (a clause), because an engine or a table lacks a column; "" where nothing lacks.
 
     Without its column the moment at an end is known only where no body there asks for one: then it is zero. That at the slider's inboard
     side is known without one where the slider passes no moment.
     """
-    if lacking := sorted(NEEDED - set(columns)):
-        return f"column {lacking[0]} is missing"
-    base, tip, slider, damping = scene.base, scene.tip_body, scene.slider, scene.follower.damping
-    at_base = base.inertia > 0.0 or base.damping > 0.0 or base.friction_torque > 0.0 or damping > 0.0 or scene.crank is None
+    base, tip, slider = scene.base, scene.tip_body, scene.slider
+    at_base = base.inertia > 0.0 or base.damping > 0.0 or base.friction_torque > 0.0 or scene.follower.damping > 0.0 or scene.crank is None
     passes = slider.inertia > 0.0 or (not slider.is_rigid and (slider.friction > 0.0 or slider.friction_force > 0.0))
-    asked = {
-        "moment_base": (at_base, "inertia, damping or torque of the base make a moment there"),
-        "moment_tip": (tip.inertia > 0.0 or tip.mass * tip.center_of_mass != 0.0, "the tip body makes a moment there"),
-        "moment_inboard": ("moment_slider" in columns and passes, "the moment jumps at the slider"),
-        "spring_force": (scene.acting_spring is not None, "the spring bends the arm"),
+    needed = {
+        **dict.fromkeys(sorted(NEEDED), True),
+        "moment_base": at_base,
+        "moment_tip": tip.inertia > 0.0 or tip.mass * tip.center_of_mass != 0.0,
+        "moment_inboard": passes and "moment_slider" in columns,
+        "spring_force": scene.acting_spring is not None,
     }
-    lacks = (f"column {name} is missing, and {why}" for name, (needed, why) in asked.items() if needed and name not in columns)
-    return next(lacks, "")
+    return next((f"column {name} is missing" for name, needs in needed.items() if needs and name not in columns), "")
 
 
 def known_moments(scene: Scene, columns: Mapping[str, Array]) -> KnownMoments:
@@ -304,3 +305,41 @@ def between(x: Array, missed: Array, known: KnownMoments) -> Array:
         used = np.abs(end * twelfth - known.slider[:, None]) > TOO_NEAR * twelfth
         distance = np.where(used, np.minimum(distance, np.abs(x - end * twelfth)), distance)
     return np.asarray(worst * np.minimum(1.0, 2.0 * distance / twelfth))
+
+
+def is_known(scene: Scene, columns: Mapping[str, Array]) -> bool:
+    """Whether an engine gives the normal force."""
+    return {name for name in AXIAL if scene.crank is not None or name in ("axial_base", "axial_tip")} <= set(columns)
+
+
+def axial_forces(scene: Scene, columns: Mapping[str, Array], known: KnownMoments, x: Array) -> tuple[Array, Array]:
+    """Normal force at arc lengths `x` (m, shape (m,)), N, and its interpolation error, shape (rows, m) each; zeros where it is not known.
+
+    Args:
+        scene: gives the mass of the arm, and gravity.
+        columns: of the rows of `known`.
+        known: the moments, which give the shear force and how far the tangent turns.
+        x: places.
+    """
+    shape = (known.slider.size, x.size)
+    if not is_known(scene, columns):
+        return np.zeros(shape), np.zeros(shape)
+    follower, angle = scene.follower, columns["follower_angle"]
+    weight = follower.mass_per_length * (scene.gravity[0] * np.cos(angle) + scene.gravity[1] * np.sin(angle))[:, None]
+    base, tip = columns["axial_base"], columns["axial_tip"]
+    step, at = (np.zeros(base.size), 0.0) if known.pull is None else (known.pull.real, known.spring)  # of a spring, inboard of its place
+    of_slider = np.where(known.slider < at, step, 0.0)
+    begin, slider, end = np.zeros(base.size), np.minimum(known.slider, known.length), np.full(base.size, known.length)
+
+    def span(a: Array, at_a: Array, b: Array, at_b: Array) -> Array:
+        a, at_a, b, at_b = (each[:, None] for each in (a, at_a, b, at_b))
+        square, change = b**2 - a**2, at_b - at_a + weight * (b - a)
+        return at_a - weight * (x - a) + np.divide(change, square, out=np.zeros_like(change), where=square > 0.0) * (x**2 - a**2)
+
+    inboard = span(begin, base - step, slider, columns.get("axial_inboard", tip) - of_slider)
+    outboard = span(slider, columns.get("axial_slider", tip) - of_slider, end, tip)
+    shear = np.abs(np.diff(known.twelfths, axis=1)).max(axis=1) / known.spacing
+    turned = np.abs(known.twelfths).sum(axis=1) * known.spacing / follower.bending_stiffness
+    missed = shear * turned
+    missed = np.maximum(missed, np.sqrt(np.mean(missed**2)))[:, None]  # the shear force passes through zero
+    return np.where(x <= slider[:, None], inboard, outboard) + np.where(x < at, step[:, None], 0.0), np.broadcast_to(missed, shape)

@@ -8,24 +8,19 @@ import pytest
 from quickreturn.cases.comparison.engines import CaseResult, compare
 from quickreturn.cases.files.shown import Unit
 from quickreturn.cases.files.units import in_si
-from quickreturn.cases.loads import Factor, loads_of_run, resonance, share_of
-from quickreturn.cases.loads.stress import ArmStress, section_modulus
-from quickreturn.reports.chapters.own import TOPICS, lacking, strength_finding, strength_table
+from quickreturn.cases.motion.endings import Ending
+from quickreturn.cases.motion.resonance import resonance
+from quickreturn.plugins.strength.case_loads import CaseLoads, leading_loads, loads_of_case, loads_on, numbers_of_case, share_of
+from quickreturn.plugins.strength.loads import loads_of_run
+from quickreturn.plugins.strength.page import TOPICS, machine_screen, machines, safety_figure, strength_finding
+from quickreturn.plugins.strength.stress import ArmStress, Factor, section_modulus
+from quickreturn.plugins.strength.tests.made_up_loads import made_up_loads, with_resonance, without
+from quickreturn.plugins.strength.turn import statements
+from quickreturn.plugins.strength.words import name_of, notch_lines, verdict
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.view import cycles
-from quickreturn.reports.results.loads import (
-    CaseLoads,
-    leading_loads,
-    loads_of_case,
-    name_of,
-    notch_lines,
-    numbers_of_case,
-    settled_speed,
-)
-from quickreturn.reports.results.turn import statements
 from quickreturn.reports.words import quantity
-from tests.reports.made_up_loads import made_up_loads, with_resonance, without
 from tests.reports.pages import chapter_of, finding_of, one_run, plain, read, text_of
 from tests.reports.plotted_results import made_up_result, with_run, with_strength
 from tests.reports.reported_results import reported_result
@@ -53,7 +48,7 @@ def known() -> CaseLoads:
 def test_the_heading_gives_stress_the_least_safety_and_resonance(known: CaseLoads) -> None:
     stress, away = "12.35 MPa at 375 mm from P", "harmonic 9 is 2.2 % from resonance"
     neither = without(known, "yield_factor", "fatigue_factor")
-    hardly = with_resonance(dataclasses.replace(known, shares={"reference": 0.003}))
+    hardly = with_resonance(known, share=0.003)
     for case, words, absent in (
         (known, [stress, "safety 2 against yielding", away], "fatigue"),
         (without(known, "yield_factor"), [stress, "safety 3 against fatigue", away], "yielding"),
@@ -71,18 +66,6 @@ def test_the_heading_is_about_the_first_case_of_the_page(example: CaseResult) ->
     assert finding_of(one_run(reported_result("hard-speed-x2"), example), "strength").startswith("hard-speed-x2: ")
 
 
-@pytest.mark.parametrize(
-    ("factors", "keys"),
-    [
-        ((), []),
-        (("yield_factor",), ["yield_strength"]),
-        (("yield_factor", "fatigue_factor"), ["yield_strength", "fatigue_strength"]),
-    ],
-)
-def test_the_keys_that_are_missing_are_named(known: CaseLoads, factors: tuple[str, ...], keys: list[str]) -> None:
-    assert lacking(without(known, *factors).loads["reference"])[1] == keys
-
-
 def test_the_first_screen_answers_with_the_numbers_of_the_table(example: CaseResult, stress: ArmStress) -> None:
     page, told = read(one_run(example)), text_of(one_run(example))
     rows = {(row[1][0], row[2][1]): row for row in page.tables["strength.csv"]}
@@ -92,11 +75,12 @@ def test_the_first_screen_answers_with_the_numbers_of_the_table(example: CaseRes
         assert rows["reference", name][4][0] != "–"  # each with its error
     assert float(rows["reference", "stress"][3][1]) == stress.largest.value
     assert f"{1e3 * float(rows['reference', 'stress'][5][1]):.0f} mm from P" in told
-    first = resonance(example.case.mechanism, settled_speed(example))
+    first = resonance(example.case.mechanism, example.settled_speed)
     assert first is not None
-    assert first.sentence(example.case.units, share_of(first.harmonic, example.runs["reference"].cycle)) in told
+    assert loads_of_case(example).share == share_of(first.harmonic, example.runs["reference"].cycle)
+    assert loads_of_case(example).nearness in told
     assert f"{first.ratio:.2f}first mode" in told  # a large number and the words under it
-    assert plain(loads_of_case(example).verdict) in told
+    assert plain(verdict(loads_of_case(example).loads["reference"])) in told
     assert told.index("largest stress") < told.index("Engines show or hide")
 
 
@@ -105,12 +89,7 @@ def test_the_first_screen_answers_with_the_numbers_of_the_table(example: CaseRes
 def test_a_factor_below_one_is_a_verdict(example: CaseResult, stress: ArmStress, key: str, part: float, words: str) -> None:
     borne = stress.largest if key == "yield_strength" else stress.amplitude
     strengths = dict.fromkeys(("yield_strength", "fatigue_strength")) | {key: part * borne.value}
-    assert words in loads_of_case(with_strength(example, **strengths)).verdict
-
-
-def test_one_factor_below_one_is_enough(example: CaseResult, stress: ArmStress) -> None:
-    material = {"yield_strength": 0.5 * stress.largest.value, "fatigue_strength": stress.amplitude.value}
-    assert "does not hold" in loads_of_case(with_strength(example, **material)).verdict
+    assert words in verdict(loads_of_case(with_strength(example, **strengths)).loads["reference"])
 
 
 def test_each_notch_has_its_factor_and_one_decides(known: CaseLoads) -> None:
@@ -129,12 +108,6 @@ def test_each_notch_has_its_factor_and_one_decides(known: CaseLoads) -> None:
     assert names["notch_2_equivalent_amplitude"].place == 0.4
     assert name_of("notch_1_fatigue_factor").endswith(" 1")
     assert notch_lines(loads, known.case) == []
-
-
-def test_an_interval_whose_ends_look_alike_is_an_error(known: CaseLoads) -> None:
-    sharp = dataclasses.replace(known.loads["reference"], yield_factor=Factor(18.99, 18.985, 18.995, 3e-4))
-    (row,) = (row for row in strength_table([CaseLoads(known.case, {"reference": sharp})]).rows if row["quantity"].value == "yield_factor")
-    assert plain(row["error"].text) == "± 0.026 %"
 
 
 @pytest.mark.parametrize("part", [0.3, 2.0])
@@ -156,9 +129,9 @@ def test_without_strengths_the_page_says_which_keys_to_give(example: CaseResult)
 
 def test_the_thesis_keeps_its_first_screen_and_engines_without_moments_the_old_one(example: CaseResult) -> None:
     of_thesis = one_run()
-    assert of_thesis.loads == []
+    assert loads_on(of_thesis) == []
+    assert machines(of_thesis) == {}
     assert not {"strength", "turn", "next"} & {chapter.id for chapter in chapters_of(of_thesis)}
-    assert not any(run["stress"] for run in cycles(of_thesis.results, ["reference"], of_thesis.loads).runs)
     without = example
     for name, run in example.runs.items():
         without = with_run(without, name, cycle={key: values for key, values in run.cycle.items() if not key.startswith("moment")})
@@ -180,12 +153,12 @@ def test_the_reference_leads_and_the_stress_of_others_stands_beside(example: Cas
 def test_what_is_drawn_along_the_arm_is_what_the_cycle_reaches() -> None:
     result = made_up_result("example")
     content = Content(results=[result])
-    (run,) = cycles(content.results, ["reference"], content.loads).runs
-    stress = loads_of_case(result).loads["reference"].stress
-    assert stress is not None
-    assert max(map(abs, run["stress"]["low"] + run["stress"]["high"])) == pytest.approx(1e-6 * stress.largest.value, rel=0.03)
-    assert run["stress"]["at"] == pytest.approx((stress.largest.place or 0.0) / result.case.mechanism.follower.length)
-    assert run["stress"]["low"][-1] == pytest.approx(0.0, abs=0.03 * run["stress"]["largest"])  # the light tip bears little
+    along, stress = machines(content)["example"].along_arm, loads_of_case(result).stress
+    assert max(map(abs, along["low"] + along["high"])) == pytest.approx(1e-6 * stress.largest.value, rel=0.03)
+    assert along["at"] == pytest.approx((stress.largest.place or 0.0) / result.case.mechanism.follower.length)
+    assert along["low"][-1] == pytest.approx(0.0, abs=0.03 * along["largest"])  # the light tip bears little
+    (run,) = cycles(content.results, ["reference"], {"example": along}).runs
+    assert run["stress"] == along
 
 
 def test_rows_have_units_and_names(example: CaseResult) -> None:
@@ -202,3 +175,28 @@ def test_a_turn_has_what_no_table_shows_and_how_far_it_can_be_trusted(example: C
     assert "trust" in told
     failed = reported_result("example", dict.fromkeys(example.runs, "failed"))
     assert "turn" not in [chapter.id for chapter in chapters_of(one_run(failed))]
+
+
+def test_a_machine_has_its_verdict_its_stress_and_its_warning(known: CaseLoads) -> None:
+    screen = machine_screen(known, known.case.units)
+    found = plain(" ".join(screen.sentences))
+    assert all(each in found for each in ("The arm holds", "2 (± 5.0 %)", "3 (± 3.0 %)"))
+    assert (screen.title, screen.warning) == (known.case.title, "")
+    numbers = {plain(number): plain(meaning) for number, meaning in screen.figures}
+    assert all(each in numbers["12.35 MPa"] for each in ("375 mm from P", "324°", "compression, 0.05000 MPa"))
+    assert "yielding at 240 MPa; 3 against fatigue" in numbers["2"]
+    assert "18.40 Hz" in numbers["9.20"]
+    missed = with_run(known.result, "reference", status=Ending.INACCURATE)
+    assert "reference estimates" in machine_screen(CaseLoads(missed, known.loads), known.case.units).warning
+    nothing = machine_screen(CaseLoads(known.result, {}), known.case.units)
+    assert "Provenance" in nothing.sentences[0]
+    assert nothing.figures == []
+
+
+def test_the_safety_figure_gives_the_factors_that_are_known(known: CaseLoads) -> None:
+    assert [safety_figure(without(known, factor))[0] for factor in ("fatigue_factor", "yield_factor")] == ["2", "3"]
+    both, given = ("yield_factor", "fatigue_factor"), ("yield_strength", "fatigue_strength")
+    for unknown in (0, 1, 2):
+        number, meaning = safety_figure(without(known, *both[:unknown]))
+        assert [key in meaning for key in given] == [place < unknown for place in (0, 1)]
+        assert (number == "–") == (unknown == 2)

@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from quickreturn.cases.loads import loads_of
-from quickreturn.cases.loads.fatigue import COUNTED, counted_ranges, cycles_of, equivalent_amplitude
+from quickreturn.plugins.strength.loads import loads_of
+from quickreturn.plugins.strength.stress import COUNTED, counted_ranges, cycles_of, equivalent_amplitude
+from quickreturn.plugins.strength.tests.test_loads import LOADED, rigid_cycle, stress_of_both
 from quickreturn.reference_model.errors import ImpossibleMechanism
-from tests.cases.test_loads import LOADED, rigid_cycle, stress_of_both
 
 #: The history of ASTM E1049-85, figure 6: peaks and valleys A to I.
 OF_THE_STANDARD = (-2.0, 1.0, -3.0, 5.0, -1.0, 3.0, -4.0, 4.0, -2.0)

@@ -1,22 +1,17 @@
-"""Loads on the parts of a machine, by each engine on each case, and by the leading engine; their numbers, and sentences on them."""
+"""Loads on the parts by one engine: their numbers with names, and sentences on them."""
 
 import math
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
-from functools import cached_property
-from typing import TYPE_CHECKING, Any, Final
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Final
 
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.shown import Unit, Units
 from quickreturn.cases.files.units import in_si
-from quickreturn.cases.loads import UNITS, Factor, Loads, Resonance, loads_of_run, resonance, share_of, shift_of_motion
-from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.number import Number
-from quickreturn.reports.words import TIED, degrees, number, off_by, percent, quantity, size
-
-if TYPE_CHECKING:
-    from quickreturn.cases.comparison.engines import CaseResult
-    from quickreturn.cases.motion.request import Run
+from quickreturn.plugins.strength.loads import UNITS, Loads
+from quickreturn.plugins.strength.stress import Factor
+from quickreturn.reports.words import TIED, degrees, number, off_by, quantity, size
 
 #: Number -> its name in the page.
 NAMES: Final = {
@@ -32,8 +27,8 @@ NAMES: Final = {
     "yield_factor": "safety against yielding",
     "fatigue_factor": "safety against fatigue",
     "crank_torque": "torque of the drive",
-    "pivot_force": "force in the bearing P",
-    "crank_force": "force in the bearing O",
+    "pivot_force": "force in the bearing P of the arm",
+    "crank_force": "force in the bearing O of the crank",
     "slider_force": "force at the slider",
     "tip_deflection": "deflection of the tip",
     "mean_first_frequency": "first mode, mean over the turn",
@@ -73,112 +68,10 @@ class Load:
         return quantity(self.value, STRAIN if self.quantity == "strain" else units.of(self.unit))
 
 
-@dataclass(frozen=True)
-class CaseLoads:
-    """The loads of a case by each engine."""
-
-    case: Case
-    loads: dict[str, Loads]  # by engine, for those with a usable cycle
-    models: frozenset[str] = frozenset()  # engines whose discretization is their model: a difference is not an error of theirs
-    missed: tuple[str, ...] = ()  # a clause for each engine that misses its accuracy
-    shares: Mapping[str, float | None] = field(default_factory=dict)  # by engine, of the harmonic nearest to the first mode: `share_of`
-    mean_speed: float | None = None  # of the crank in the settled motion, rad/s
-
-    @property
-    def lead(self) -> str:
-        """The engine whose numbers are shown: `reference`, or else the first that gives a stress; "" if none does, or if it is zero."""
-        from quickreturn.cases.comparison.engines import REFERENCE  # the loads of a single trajectory need no comparison
-
-        stressed = [name for name, loads in self.loads.items() if loads.stress is not None and loads.stress.largest.value > 0.0]
-        return REFERENCE if REFERENCE in stressed else next(iter(stressed), "")
-
-    @cached_property
-    def resonance(self) -> Resonance | None:
-        """The first mode beside the crank's frequency; None where there is no such mode."""
-        return resonance(self.case.mechanism, self.mean_speed)
-
-    @property
-    def resonance_sentence(self) -> str:
-        """How near a resonance is, by the harmonic nearest to the first mode; "" if nothing vibrates."""
-        return f"Of the crank’s speed {self.resonance.sentence(self.case.units, self.share)}." if self.resonance else ""
-
-    @property
-    def share(self) -> float | None:
-        """What the harmonics about the nearest one to the first mode have of the tip's acceleration, by the leading engine."""
-        return self.shares.get(self.lead)
-
-    @property
-    def verdict(self) -> str:
-        """Whether the arm holds, by the leading engine (a sentence); "" where no strength is given."""
-        return verdict(self.loads[self.lead])
-
-    @cached_property
-    def shift_of_motion(self) -> float:
-        """Amount, Hz, by which the crank's rotation changes the mean first frequency; frequencies with the crank held lack it."""
-        return abs(shift_of_motion(self.case.mechanism))
-
-    def departures(self) -> dict[str, float]:
-        """Engine -> its largest stress over the leading engine's, minus one; without engines whose discretization is their model."""
-        same = {name: loads for name, loads in self.loads.items() if name not in self.models}
-        stress = {name: loads.stress.largest.value for name, loads in same.items() if loads.stress is not None}
-        lead = stress.pop(self.lead, 0.0)
-        return {name: value / lead - 1.0 for name, value in stress.items()} if lead else {}
-
-
-def settled_speed(result: "CaseResult") -> float | None:
-    """Mean crank speed (rad/s) of the settled motion by `reference`, or else by the first engine that has one; None without one."""
-    usable = {name: run for name, run in result.runs.items() if run.usable}
-    return mean_crank_speed(usable.get("reference", next(iter(usable.values())))) if usable else None
-
-
-def mean_crank_speed(run: "Run") -> float:
-    """Mean crank speed over a run's cycle, rad/s."""
-    angle, time = run.cycle["crank_angle"], run.cycle["time"]
-    return float(angle[-1] - angle[0]) / float(time[-1] - time[0])
-
-
-def loads_of_case(result: "CaseResult") -> CaseLoads:
-    """The loads of a case by each engine; recorded tables are left out, because they may lack the moments."""
-    mechanism = result.case.mechanism
-    by_engine = {name: loads for name, run in result.runs.items() if (loads := loads_of_run(mechanism, run)) is not None}
-    models = frozenset(name for name, run in result.runs.items() if run.estimate_of == "integration")
-    return CaseLoads(result.case, by_engine, models, accuracies_missed(result), _shares(result), settled_speed(result))
-
-
-def _shares(result: "CaseResult") -> dict[str, float | None]:
-    first = resonance(result.case.mechanism, settled_speed(result))
-    return {name: share_of(first.harmonic, run.cycle) for name, run in result.runs.items() if run.usable} if first else {}
-
-
-def accuracies_missed(result: "CaseResult") -> tuple[str, ...]:
-    """A clause for each engine whose estimate misses the accuracy asked, with both."""
-    return tuple(_missed(run) for run in result.runs.values() if run.status == Ending.INACCURATE)
-
-
-def _missed(run: "Run") -> str:
-    error, accuracy = run.computation.error_estimate, run.computation.accuracy
-    estimate = "an unknown error" if error is None else f"an error of {size(error)} of the tip’s deflection"
-    asked = "" if accuracy is None else f" where {percent(accuracy, 'g')} was asked"
-    return f"{run.engine} estimates {estimate}{asked}"
-
-
-def leading_loads(result: "CaseResult") -> CaseLoads:
-    """The loads of a case by the leading engine alone."""
-    from quickreturn.cases.comparison.engines import REFERENCE
-
-    mechanism, names = result.case.mechanism, sorted(result.runs, key=lambda name: name != REFERENCE)
-    for name in names:
-        loads = loads_of_run(mechanism, result.runs[name])
-        if loads is not None and loads.stress is not None:
-            return CaseLoads(result.case, {name: loads}, shares=_shares(result), mean_speed=settled_speed(result))
-    return CaseLoads(result.case, {})
-
-
 def verdict(loads: Loads) -> str:
     """Whether the arm holds (a sentence), not judged by a stress with an error of tens of percent; "" where no strength is given."""
     both = {"yielding": loads.yield_factor, "fatigue": loads.fatigue_factor}
-    factors = {against: factor for against, factor in both.items() if factor is not None}
-    if not factors:
+    if not (factors := {against: factor for against, factor in both.items() if factor is not None}):
         return ""
     values = " and ".join(f"{_safety(factor)} against {against}" for against, factor in factors.items())
     if unjudged := [factor for factor in factors.values() if not factor.judged]:
@@ -274,15 +167,6 @@ def loads_document(loads: Loads | None) -> dict[str, dict[str, Any]]:
     """Quantity -> the other fields of its `Load`, for a JSON document; empty without loads."""
     documents = [vars(each) for each in numbers(loads)] if loads is not None else []
     return {one["quantity"]: {key: value for key, value in one.items() if key != "quantity"} for one in documents}
-
-
-def numbers_of_case(case: CaseLoads) -> Iterator[tuple[str, Load]]:
-    """All numbers of a case, each with its engine, or with "" where it needs none."""
-    for engine, loads in case.loads.items():
-        yield from ((engine, each) for each in numbers(loads))
-    if case.resonance is not None:
-        yield "", Load("mean_first_frequency", case.resonance.first_mode, "Hz", case.shift_of_motion)
-        yield "", Load("frequency_ratio", case.resonance.ratio, "1", case.shift_of_motion / case.resonance.crank)
 
 
 def _factor(name: str, factor: Factor) -> Load:

@@ -15,8 +15,9 @@ from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.request import PeriodicOrbit
 from quickreturn.cases.motion.time_scale import quasi_static_strain
+from quickreturn.plugins.strength.loads import loads_in
+from quickreturn.plugins.strength.turn import SENTENCES, Turn, leading_statements, statements
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
-from quickreturn.reports.results.turn import SENTENCES, Turn, leading_statements, statements
 from tests.changed_run import changed_run
 from tests.reports.pages import plain
 from tests.reports.plotted_results import made_up_run
@@ -119,7 +120,7 @@ def test_a_force_within_its_claim_has_no_sign() -> None:
 
 def test_where_the_arm_is_stressed_most() -> None:
     found = turn()
-    largest, known = found.motion.loads.stress.largest, numbers("stress", found)  # type: ignore[union-attr]
+    largest, known = found.motion.of(loads_in).stress.largest, numbers("stress", found)  # type: ignore[union-attr]
     assert (known["stress"], known["place"], known["crank_angle"]) == (largest.value, largest.place, largest.crank_angle)
     assert "the other way as much" in said("stress", found)  # a rigid motion at constant speed is antisymmetric
     more = {name: values + 0.05 * np.max(values) for name, values in found.run.cycle.items() if name.startswith("moment_")}

@@ -4,24 +4,31 @@ Each function of `SENTENCES` says something, or nothing: for want of a column, o
 """
 
 import math
-from collections.abc import Callable, Mapping
+import os
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
+from quickreturn.arguments import AnyCase, one_case
 from quickreturn.cases.comparison.engines import REFERENCE, CaseResult
 from quickreturn.cases.files.case import Case
-from quickreturn.cases.loads import HARDLY, Resonance, resonance, share_of, share_words, shift_of_motion
-from quickreturn.cases.motion.catalogue import MEASURES, SettledMotion
+from quickreturn.cases.files.printable import Cell, Printable
+from quickreturn.cases.motion.catalogue import MEASURES
 from quickreturn.cases.motion.cycle import HALVES
 from quickreturn.cases.motion.endings import Ending
+from quickreturn.cases.motion.measure import SettledMotion
 from quickreturn.cases.motion.number import Number
 from quickreturn.cases.motion.request import Run
+from quickreturn.cases.motion.resonance import Resonance, resonance
 from quickreturn.cases.motion.time_scale import quasi_static_strain
+from quickreturn.cross_validation import run as settled_runs
 from quickreturn.engines.relative import rms
-from quickreturn.reports.results.loads import from_p, mean_crank_speed, tension_or_compression
+from quickreturn.plugins.strength.case_loads import HARDLY, share_of, share_words, shift_of_motion
+from quickreturn.plugins.strength.loads import loads_in
+from quickreturn.plugins.strength.words import from_p, tension_or_compression
 from quickreturn.reports.words import TIED, counted, degrees, in_words, listed, number, off_by, percent, quantity, size
 
 #: Relative difference of the strokes' durations below which they count as alike.
@@ -63,7 +70,7 @@ class Turn:
     @cached_property
     def resonance(self) -> Resonance | None:
         """The first mode beside the crank's frequency in this turn."""
-        return resonance(self.case.mechanism, mean_crank_speed(self.run))
+        return resonance(self.case.mechanism, self.run.mean_crank_speed)
 
     def of(self, measure: str) -> Number | None:
         """A measure of the catalogue; None if there is none, or if its claim leaves nothing of it."""
@@ -160,7 +167,7 @@ def stress(turn: Turn) -> Said | None:
     if found is None or found.place is None or found.crank_angle is None:
         return None
     where = f"{from_p(found, turn.case.units)}, at {percent(found.place / turn.case.mechanism.follower.length, '.0f')} of its length"
-    motion = turn.motion.loads.stress
+    motion = turn.motion.of(loads_in).stress
     ends = [abs(float(np.interp(found.place, motion.places, end))) for end in (motion.lowest, motion.highest)] if motion else []
     either = " (bent the other way as much, within the error)" if ends and max(ends) - min(ends) <= 2.0 * found.error else ""
     axial = motion.axial if motion and not either else None
@@ -241,7 +248,7 @@ def limit(turn: Turn) -> Said | None:
     mechanism, first = turn.case.mechanism, turn.resonance
     if first is None:
         return None
-    claim = abs(shift_of_motion(mechanism)) / first.crank
+    claim = shift_of_motion(mechanism) / first.crank
     order = math.ceil(first.ratio - claim) - 1
     if order < 1:
         return "At higher speeds no multiple of the crank's speed meets the first mode.", {"ratio": first.ratio, "ratio_error": claim}
@@ -297,3 +304,49 @@ def leading_statements(result: CaseResult) -> list[Statement]:
     """Those by `reference`, or else by the first engine that has a settled turn."""
     found = (statements(result.case, run) for _, run in sorted(result.runs.items(), key=lambda each: each[0] != REFERENCE))
     return next(filter(None, found), [])
+
+
+@dataclass(frozen=True, repr=False)
+class Explanation(Printable):
+    """What happens in a turn of a machine in its steady state.
+
+    Attributes:
+        case: name of the machine.
+        title: its title.
+        run: the run of the engine from which the sentences are read.
+        statements: sentences with topic and numbers (SI); none if the run has no settled turn.
+    """
+
+    case: str
+    title: str
+    run: Run
+    statements: tuple[Statement, ...]
+
+    def _parts(self) -> Iterator[Cell]:
+        yield f"{self.case}: {self.title}"
+        yield from (f"- {each.sentence}" for each in self.statements)
+
+
+def explain(
+    case: AnyCase,
+    engine: str | os.PathLike[str] = "reference",
+    *,
+    accuracy: float | None = None,
+    settings: Mapping[str, Any] | None = None,
+    quiet: bool = False,
+) -> Explanation:
+    """Say what happens in a turn of a machine in its steady state; the run is that of `qr.run`, from the store if it is there.
+
+    Args:
+        case: a name, a path or a `Case`.
+        engine: name, or path of a file that declares one.
+        accuracy: relative error of the tip deflection asked for; None: the engine's default.
+        settings: settings of the engine, by name.
+        quiet: whether progress on standard error is left out.
+
+    Raises:
+        CaseError, UnknownEngine, Refusal, SettingError, StoreError, KeyboardInterrupt: as `run`.
+    """
+    chosen, name = one_case(case), os.fspath(engine)
+    found = settled_runs([chosen], [name], accuracy=accuracy, settings={name: settings or {}}, quiet=quiet)[chosen.name, name]
+    return Explanation(chosen.name, chosen.title, found, tuple(statements(chosen, found)))

@@ -11,11 +11,10 @@ from quickreturn.cases.comparison.engines import CaseResult
 from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.motion.catalogue import MEASURES, numbers
 from quickreturn.cases.motion.number import Number
-from quickreturn.reports.chapters.drive import POINTS, finding
+from quickreturn.plugins.strength.case_drive import POINTS, CaseDrive, drive_of, drive_sentences, finding, text_of
 from quickreturn.reports.output import plain as as_plain
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.plot import Plot
-from quickreturn.reports.results.drive import CaseDrive, drive_of, drive_sentences, text_of
 from quickreturn.verdict_text import as_document
 from tests.reports import pages
 from tests.reports.pages import chapter_of, one_run, plain, read
@@ -41,27 +40,6 @@ def wanting(result: CaseResult, fluctuation: float) -> CaseResult:
     mechanism = result.case.mechanism
     scene = dataclasses.replace(mechanism, crank=dataclasses.replace(mechanism.crank, wanted_fluctuation=fluctuation))
     return dataclasses.replace(result, case=dataclasses.replace(result.case, scene=scene))
-
-
-def test_the_numbers_are_the_closed_forms(shaper: CaseResult) -> None:
-    drive = drive_of(wanting(shaper, 0.05))
-    found = {name: number.value for name, number in drive.numbers("reference").items()}
-    back = 2.0 * (4.0 * math.sin(math.pi / 3.0) - 2.0 * math.pi / 3.0)  # J, over 120 degrees of a turn
-    known = {
-        "mean.crank_torque": 2.0,
-        "rms.crank_torque": math.sqrt(12.0),
-        "peak.crank_torque": 6.0,
-        "mean.drive_power": 20.0,
-        "peak.drive_power": 60.0,
-        "peak.returned_power": 20.0,
-        "turn.driven_energy": 4.0 * math.pi + back,
-        "turn.returned_energy": back,
-        "flywheel.energy": 8.0,
-        "flywheel.inertia": 1.6,  # 8 J / (0.05 (10 rad/s)^2)
-        "turn.pivot_angle": math.radians(57.65),
-    }
-    assert {name: found[name] for name in known} == pytest.approx(known, rel=1e-3)
-    assert len(drive_sentences(drive)) == 3
 
 
 @pytest.mark.parametrize(("fluctuation", "enough"), [(0.05, False), (0.9, True)])
