@@ -41,23 +41,14 @@ NO_DEFLECTION: Final = 1e-12
 
 @dataclass(frozen=True)
 class ErrorPart:
-    """A part of an error, and the two runs that show it.
+    """A part of an error, and the two runs that show it."""
 
-    Attributes:
-        of: what it comes from: "time", "space", "modes", "spring" and the like (`Comparison.of`).
-        run: settings of one run, by name: those in which the delivered run and the two differ; see `complete`.
-        other: the same settings of the run that it is compared with.
-        difference: size of the difference of the two, in the unit of the number, or relative where the error is.
-        factor: error of `other` over that of `run`, as the engine states it.
-        counted: what counts as error, over the difference: by `factor`, or by what further runs show of it, and by `Compared.growth`.
-    """
-
-    of: str
-    run: dict[str, Any]
-    other: dict[str, Any]
-    difference: float
-    factor: float
-    counted: float
+    of: str  # what it comes from: "time", "space", "modes", "spring" and the like (`Comparison.of`)
+    run: dict[str, Any]  # settings of one run, by name: those in which the delivered run and the two differ; see `complete`
+    other: dict[str, Any]  # the same settings of the run that it is compared with
+    difference: float  # size of the difference of the two, in the unit of the number, or relative where the error is
+    factor: float  # error of `other` over that of `run`, as the engine states it
+    counted: float  # what counts as error, over the difference: by `factor`, or by what further runs show of it, and by `Compared.growth`
 
     @property
     def error(self) -> float:

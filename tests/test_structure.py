@@ -47,20 +47,20 @@ LARGEST_KERNEL = 10_000
 #: Room -> lines of code at most: blank lines, comments, docstrings and imports do not count, nor do tests.
 BUDGETS = {
     "reference_model": 5_470,
-    "engines": 4_290,
-    "cases": 5_780,
-    "reports": 2_300,
+    "engines": 4_300,
+    "cases": 5_910,
+    "reports": 2_310,
     "quickreturn": 1_910,
     "pack": 90,
     "plugins/as_built": 410,
     "plugins/conform": 950,
     "plugins/derive": 2_090,
     "plugins/fmu": 390,
-    "plugins/methods": 2_940,
+    "plugins/methods": 2_880,
     "plugins/pack": 430,
     "plugins/strength": 1_400,
     "plugins/studies": 2_520,
-    "plugins/thesis": 1_450,
+    "plugins/thesis": 1_690,
 }
 
 

@@ -103,6 +103,9 @@ half cycle: first_mode_frequency_uncertainty first_mode_amplitude_uncertainty 0.
 tests/verification/test_measures_accuracy.py::test_bias_spread_and_reach
 measure: pre.amplitude.* post.amplitude.* 0.03
 half cycle: first_mode_amplitude 0.03
+- noise that is added to a known vibration
+tests/cases/motion/test_cycle.py::test_noise_moves_a_number_as_its_gain_says
+half cycle: variation first_mode_frequency_gain first_mode_amplitude_gain 0.45
 - half cycles made of a known vibration
 tests/cases/motion/test_cycle.py::test_strong_second_mode_is_found_where_channels_agree
 half cycle: second_mode_frequency 0.01

@@ -65,48 +65,28 @@ PLAIN: Final = Form()
 
 @dataclass(frozen=True)
 class Numbers:
-    """The numbers of a table.
+    """The numbers of a table."""
 
-    Attributes:
-        values: shape (rows, columns).
-        decimal: the decimal sign.
-        lines: the line of each row, counted from 1.
-        lacking: number of rows that are left out, since a cell is empty or "nan".
-    """
-
-    values: Array
-    decimal: str
-    lines: Sequence[int]
-    lacking: int
+    values: Array  # shape (rows, columns)
+    decimal: str  # the decimal sign
+    lines: Sequence[int]  # the line of each row, counted from 1
+    lacking: int  # number of rows that are left out, since a cell is empty or "nan"
 
 
 @dataclass(frozen=True)
 class TableText:
-    """The parts of a table's text.
+    """The parts of a table's text."""
 
-    Attributes:
-        source: name of the table, for messages.
-        headings: one for each column, with its unit in brackets if it has one; None: the table has none.
-        place: line of the headings, for messages.
-        rows: the lines of numbers, each with its number in the file.
-        comments: the comment lines above the headings, each with its number in the file.
-        told: what was recognised, as clauses; empty for commas and one line of headings.
-        separator: sign between columns.
-        decimal: the decimal sign; None: the numbers show it.
-        advice: what to do if it cannot be read.
-        units: of each column's cells, where numbers have a unit behind them, otherwise "".
-    """
-
-    source: str
-    headings: tuple[str, ...] | None
-    place: str
-    rows: Sequence[tuple[int, str]] = field(default=(), repr=False)
-    comments: tuple[tuple[int, str], ...] = ()
-    told: tuple[str, ...] = ()
-    separator: str = ","
-    decimal: str | None = "."
-    advice: str = ADVICE
-    units: tuple[str, ...] = ()
+    source: str  # name of the table, for messages
+    headings: tuple[str, ...] | None  # one for each column, with its unit in brackets if it has one; None: the table has none
+    place: str  # line of the headings, for messages
+    rows: Sequence[tuple[int, str]] = field(default=(), repr=False)  # the lines of numbers, each with its number in the file
+    comments: tuple[tuple[int, str], ...] = ()  # the comment lines above the headings, each with its number in the file
+    told: tuple[str, ...] = ()  # what was recognised, as clauses; empty for commas and one line of headings
+    separator: str = ","  # sign between columns
+    decimal: str | None = "."  # the decimal sign; None: the numbers show it
+    advice: str = ADVICE  # what to do if it cannot be read
+    units: tuple[str, ...] = ()  # of each column's cells, where numbers have a unit behind them, otherwise ""
 
     @property
     def width(self) -> int:

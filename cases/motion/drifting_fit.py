@@ -83,25 +83,16 @@ class Fit:
 
 @dataclass(frozen=True)
 class Waves:
-    """Data for the modes' columns: of one channel in a half cycle, shape (240,), or of several, shape (m, 240).
+    """Data for the modes' columns: of one channel in a half cycle, shape (240,), or of several, shape (m, 240)."""
 
-    Attributes:
-        theta: phase of the first mode, rad.
-        drift: part of theta by which the frequency departs from its mean, rad.
-        sigma: theta scaled to [-1, 1].
-        in_phase: T, the channel's response to the first mode.
-        late: Q, the same a quarter period late.
-        theta2, sigma2, in_phase2: phase, place and response of the second mode.
-    """
-
-    theta: Array
-    drift: Array
-    sigma: Array
-    in_phase: Array
-    late: Array
-    theta2: Array
-    sigma2: Array
-    in_phase2: Array
+    theta: Array  # phase of the first mode, rad
+    drift: Array  # part of theta by which the frequency departs from its mean, rad
+    sigma: Array  # theta scaled to [-1, 1]
+    in_phase: Array  # T, the channel's response to the first mode
+    late: Array  # Q, the same a quarter period late
+    theta2: Array  # phase, place and response of the second mode
+    sigma2: Array  # phase, place and response of the second mode
+    in_phase2: Array  # phase, place and response of the second mode
 
     @classmethod
     def of(cls, channel: ChannelHalf) -> "Waves":
@@ -153,19 +144,12 @@ def left_by(columns: Array, signal: Array) -> Array:
 
 @dataclass(frozen=True)
 class Problem:
-    """The problem of one fit.
+    """The problem of one fit."""
 
-    Attributes:
-        channel: the signal with its templates.
-        slow: orthonormal basis of the slow part, shape (240, k).
-        start: alpha, beta, kappa, rho, alpha2 from which the fit descends, shape (5,).
-        bounds: least and greatest values of these parameters.
-    """
-
-    channel: ChannelHalf
-    slow: Array
-    start: Array
-    bounds: Bounds
+    channel: ChannelHalf  # the signal with its templates
+    slow: Array  # orthonormal basis of the slow part, shape (240, k)
+    start: Array  # alpha, beta, kappa, rho, alpha2 from which the fit descends, shape (5,)
+    bounds: Bounds  # least and greatest values of these parameters
 
 
 def refined(problems: Sequence[Problem]) -> list[Fit]:

@@ -11,15 +11,10 @@ from quickreturn.reference_model.model import BeamModel
 
 @dataclass(frozen=True)
 class FoundOrbit(SteadyState):
-    """A periodic steady state of the explicit model.
+    """A periodic steady state of the explicit model."""
 
-    Attributes:
-        simulation: as in `SteadyState`.
-        orbit: what the search found.
-    """
-
-    simulation: OwnSimulation
-    orbit: PeriodicOrbit
+    simulation: OwnSimulation  # as in `SteadyState`
+    orbit: PeriodicOrbit  # what the search found
 
     def simulation_again(self) -> OwnSimulation:
         """A new simulation in this state, so that the original one stays in it."""

@@ -18,29 +18,17 @@ SCRIPTS: Final = Path(__file__).resolve().parents[2] / "examples" / "as_built"
 
 @dataclass(frozen=True)
 class Construction:
-    """A construction beside the converged solution; no numbers where the program lost the motion.
+    """A construction beside the converged solution; no numbers where the program lost the motion."""
 
-    Attributes:
-        name: unique among all programs.
-        program: with its version.
-        end: of the motion, s; less than the 2 s asked if the program lost it.
-        error: of the tip deflection, RMS of the difference over RMS.
-        peak: largest tip deflection over the true one, less 1.
-        frequency: of the first mode, with the crank held, over the true one, less 1.
-        damping: its damping ratio.
-        gap: largest distance of the crank's pin and the centre line, m.
-        seconds: processor time of the solve.
-    """
-
-    name: str
-    program: str
-    end: float = 2.0
-    error: float | None = None
-    peak: float | None = None
-    frequency: float | None = None
-    damping: float | None = None
-    gap: float | None = None
-    seconds: float | None = None
+    name: str  # unique among all programs
+    program: str  # with its version
+    end: float = 2.0  # of the motion, s; less than the 2 s asked if the program lost it
+    error: float | None = None  # of the tip deflection, RMS of the difference over RMS
+    peak: float | None = None  # largest tip deflection over the true one, less 1
+    frequency: float | None = None  # of the first mode, with the crank held, over the true one, less 1
+    damping: float | None = None  # its damping ratio
+    gap: float | None = None  # largest distance of the crank's pin and the centre line, m
+    seconds: float | None = None  # processor time of the solve
 
     @property
     def lost(self) -> bool:

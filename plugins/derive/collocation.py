@@ -27,21 +27,13 @@ _SERIES: Final = np.linalg.inv(legendre.legvander(_X, NODES - 1))
 
 
 class Passage(NamedTuple):
-    """A step across a singular position.
+    """A step across a singular position."""
 
-    Attributes:
-        times: s, of its beginning, its nodes and its end, shape (NODES + 2,); without the beginning where the motion begins with it.
-        states: the states there, shape (len(times), size of a state).
-        at: the state at any time between.
-        singular: time of the singular position, s; before 0 where the motion only comes from one.
-        since: time after which it holds, s; -inf where the motion begins with it, and the state at time 0 is as singular.
-    """
-
-    times: Array
-    states: Array
-    at: Callable[[float], Array]
-    singular: float
-    since: float
+    times: Array  # s, of its beginning, its nodes and its end, shape (NODES + 2,); without the beginning where the motion begins with it
+    states: Array  # the states there, shape (len(times), size of a state)
+    at: Callable[[float], Array]  # the state at any time between
+    singular: float  # time of the singular position, s; before 0 where the motion only comes from one
+    since: float  # time after which it holds, s; -inf where the motion begins with it, and the state at time 0 is as singular
 
     def between(self, values: Array, times: Array) -> Array:
         """Values at the passage's times, shape (len(times), columns), interpolated to others."""

@@ -32,21 +32,13 @@ from quickreturn.reports.words import MINUS, TIED, in_words, listed, number, per
 
 @dataclass(frozen=True)
 class Around:
-    """A machine and its curve.
+    """A machine and its curve."""
 
-    Attributes:
-        case: the machine.
-        curve: the curve, over its speed or another quantity; None if there is none.
-        reason: why there is no curve (a clause).
-        unit: unit of what varies; None: that of the case.
-        mean_speed: of the crank in the settled motion, rad/s; None: that of the rigid mechanism counts.
-    """
-
-    case: Case
-    curve: ResonanceCurve | None
-    reason: str = ""
-    unit: Unit | None = None
-    mean_speed: float | None = None
+    case: Case  # the machine
+    curve: ResonanceCurve | None  # the curve, over its speed or another quantity; None if there is none
+    reason: str = ""  # why there is no curve (a clause)
+    unit: Unit | None = None  # unit of what varies; None: that of the case
+    mean_speed: float | None = None  # of the crank in the settled motion, rad/s; None: that of the rigid mechanism counts
 
     @cached_property
     def own(self) -> float:

@@ -48,21 +48,13 @@ DELAY: Final = "delay"
 
 @dataclass(frozen=True, kw_only=True)
 class Planted:
-    """The smallest size from which on an error is found in a run, with both signs; None: the largest of `SIZES` is not found.
+    """The smallest size from which on an error is found in a run, with both signs; None: the largest of `SIZES` is not found."""
 
-    Attributes:
-        run: number.
-        engine: in whose cycle it is planted.
-        error: name, one of `OF_THE_MACHINE`, `GAIN` or `DELAY`.
-        found: size that at least one comparison finds, relative; of a delay in ms.
-        frequency: size that a frequency finds; likewise the others.
-    """
-
-    run: int
-    engine: str
-    error: str
-    found: float | None
-    frequency: float | None
+    run: int  # number
+    engine: str  # in whose cycle it is planted
+    error: str  # name, one of `OF_THE_MACHINE`, `GAIN` or `DELAY`
+    found: float | None  # size that at least one comparison finds, relative; of a delay in ms
+    frequency: float | None  # size that a frequency finds; likewise the others
     amplitude: float | None
     extreme: float | None
     waveform: float | None

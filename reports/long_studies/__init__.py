@@ -38,21 +38,13 @@ _NUMBERS: Final = (dict[str, float], dict[str, float | None], Mapping[str, float
 
 @dataclass(frozen=True)
 class About:
-    """How a study was recorded.
+    """How a study was recorded."""
 
-    Attributes:
-        study: its name.
-        date: of the record.
-        versions: of the libraries.
-        commit: of the code, abbreviated; "" if it is not known.
-        confirmed: the last commit at which cells were computed anew and came out alike; "" if there was none since.
-    """
-
-    study: str
-    date: str
-    versions: str
-    commit: str
-    confirmed: str = ""
+    study: str  # its name
+    date: str  # of the record
+    versions: str  # of the libraries
+    commit: str  # of the code, abbreviated; "" if it is not known
+    confirmed: str = ""  # the last commit at which cells were computed anew and came out alike; "" if there was none since
 
     @property
     def words(self) -> str:

@@ -10,19 +10,12 @@ from quickreturn.reports.tables.table import Table
 
 @dataclass(frozen=True)
 class Chapter:
-    """A chapter.
+    """A chapter."""
 
-    Attributes:
-        id: its anchor in the page, and the name of its template: `chapters/ID.html`, whose macro `body` takes the facts.
-        name: name in the heading.
-        finding: what the results say, in the heading: a sentence without its full stop.
-        facts: tables, plots, numbers and sentences by name. Each table is also written as a CSV file.
-    """
-
-    id: str
-    name: str
-    finding: str
-    facts: Mapping[str, Any]
+    id: str  # its anchor in the page, and the name of its template: `chapters/ID.html`, whose macro `body` takes the facts
+    name: str  # name in the heading
+    finding: str  # what the results say, in the heading: a sentence without its full stop
+    facts: Mapping[str, Any]  # tables, plots, numbers and sentences by name. Each table is also written as a CSV file
 
     @property
     def tables(self) -> Iterator[Table]:

@@ -32,23 +32,14 @@ class MeasuredHalf:
 
 @dataclass(frozen=True)
 class Subject:
-    """What a report is about, as far as its first screen depends on it.
+    """What a report is about, as far as its first screen depends on it."""
 
-    Attributes:
-        arm: kind of the arm.
-        turning: share of the machines whose arm turns fully.
-        consequence: what the swing does to it (a clause); "" if nothing is to be said.
-        inference: a sentence on what the results suggest; "" if there is none.
-        sharpness: how small an error of an engine would show, a sentence; "" if that is not known.
-        on_the_model: whether the thesis' model is among the figures, in place of the largest difference of a peak.
-    """
-
-    arm: str = "flexible"
-    turning: float = 0.0
-    consequence: str = ""
-    inference: str = ""
-    sharpness: str = ""
-    on_the_model: bool = False
+    arm: str = "flexible"  # kind of the arm
+    turning: float = 0.0  # share of the machines whose arm turns fully
+    consequence: str = ""  # what the swing does to it (a clause); "" if nothing is to be said
+    inference: str = ""  # a sentence on what the results suggest; "" if there is none
+    sharpness: str = ""  # how small an error of an engine would show, a sentence; "" if that is not known
+    on_the_model: bool = False  # whether the thesis' model is among the figures, in place of the largest difference of a peak
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -15,23 +15,14 @@ Figure = tuple[str, str]
 
 @dataclass(frozen=True)
 class FirstScreen:
-    """The text of the first screen, or of a machine's part of it.
+    """The text of the first screen, or of a machine's part of it."""
 
-    Attributes:
-        title: its heading.
-        warning: a sentence on results that miss their accuracy; "" if there are none.
-        sentences: what was found.
-        figures: numbers in large type, each with its meaning.
-        resonance: a sentence on how near a resonance is; "" if there is none.
-        along_arm: what is drawn along the arm, for the script (`stage.js`); empty: nothing.
-    """
-
-    title: str
-    warning: str
-    sentences: Sequence[str]
-    figures: Sequence[Figure]
-    resonance: str = ""
-    along_arm: Mapping[str, Any] = field(default_factory=dict)
+    title: str  # its heading
+    warning: str  # a sentence on results that miss their accuracy; "" if there are none
+    sentences: Sequence[str]  # what was found
+    figures: Sequence[Figure]  # numbers in large type, each with its meaning
+    resonance: str = ""  # a sentence on how near a resonance is; "" if there is none
+    along_arm: Mapping[str, Any] = field(default_factory=dict)  # what is drawn along the arm, for the script (`stage.js`); empty: nothing
 
 
 def agreement_screen(answer: Answer, subject: Subject, title: str, last: Figure | None) -> FirstScreen:

@@ -40,33 +40,19 @@ class Series:
 
 @dataclass(frozen=True)
 class Plot:
-    """A plot.
+    """A plot."""
 
-    Attributes:
-        file: CSV file of the table with these numbers.
-        x: label of the horizontal axis, with its unit.
-        y: label of the vertical axis, with its unit.
-        series: what is drawn, later ones on top.
-        log: which axes are logarithmic: "", "x", "y" or "xy".
-        below: value on the vertical axis below which numbers mean nothing; that range is shaded.
-        categories: texts of an axis that has rows instead of numbers; `y` then belongs to the horizontal axis.
-        limit: a value that is marked by a line across the rows, and its meaning.
-        regions: areas behind the points: their corners as pairs of values.
-        here: a value on the horizontal axis that is marked by a line, and its meaning.
-        alike: whether a unit is equally long on both axes.
-    """
-
-    file: str
-    x: str
-    y: str
-    series: Sequence[Series]
-    log: str = ""
-    below: float | None = None
-    categories: Sequence[str] = ()
-    limit: tuple[float, str] | None = None
-    regions: Sequence[Sequence[tuple[float, float]]] = ()
-    here: tuple[float, str] | None = None
-    alike: bool = False
+    file: str  # CSV file of the table with these numbers
+    x: str  # label of the horizontal axis, with its unit
+    y: str  # label of the vertical axis, with its unit
+    series: Sequence[Series]  # what is drawn, later ones on top
+    log: str = ""  # which axes are logarithmic: "", "x", "y" or "xy"
+    below: float | None = None  # value on the vertical axis below which numbers mean nothing; that range is shaded
+    categories: Sequence[str] = ()  # texts of an axis that has rows instead of numbers; `y` then belongs to the horizontal axis
+    limit: tuple[float, str] | None = None  # a value that is marked by a line across the rows, and its meaning
+    regions: Sequence[Sequence[tuple[float, float]]] = ()  # areas behind the points: their corners as pairs of values
+    here: tuple[float, str] | None = None  # a value on the horizontal axis that is marked by a line, and its meaning
+    alike: bool = False  # whether a unit is equally long on both axes
 
     @property
     def document(self) -> dict[str, Any]:

@@ -34,16 +34,11 @@ AS_THEY_ARE: Final = (
 
 
 class _Span(NamedTuple):
-    """Gauss points of a cell.
+    """Gauss points of a cell."""
 
-    Attributes:
-        begin, length: arc lengths, m, shape (rows, 1).
-        series: matrix that turns values at the points into coefficients of Legendre's polynomials, shape (points, points).
-    """
-
-    begin: Array
-    length: Array
-    series: Array
+    begin: Array  # arc lengths, m, shape (rows, 1)
+    length: Array  # arc lengths, m, shape (rows, 1)
+    series: Array  # matrix that turns values at the points into coefficients of Legendre's polynomials, shape (points, points)
 
     def at(self, values: Any, x: Any) -> Any:
         """The polynomial through values (rows, points) at arc lengths (rows, k) or (k,)."""

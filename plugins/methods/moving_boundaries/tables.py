@@ -34,22 +34,14 @@ DEGREE: Final = 7
 
 
 class Shapes(NamedTuple):
-    """The shapes of a scene and their tables.
+    """The shapes of a scene and their tables."""
 
-    Attributes:
-        family: the modes as functions of the support's place and of arc length; None for a rigid follower.
-        low, high: m, range of the support's place l.
-        coefficients: of the rows, shape (intervals, degree + 1, length of a row), highest power of the fraction of the interval first.
-        reach: slider position beyond which the slider counts as off the follower, m.
-        seconds: wall time (s) that an earlier model spent on parts that this one reuses.
-    """
-
-    family: ModeFamily | None
-    low: float
-    high: float
-    coefficients: Array
-    reach: float
-    seconds: float
+    family: ModeFamily | None  # the modes as functions of the support's place and of arc length; None for a rigid follower
+    low: float  # m, range of the support's place l
+    high: float  # m, range of the support's place l
+    coefficients: Array  # of the rows, shape (intervals, degree + 1, length of a row), highest power of the fraction of the interval first
+    reach: float  # slider position beyond which the slider counts as off the follower, m
+    seconds: float  # wall time (s) that an earlier model spent on parts that this one reuses
 
 
 def shapes_of(mechanism: Mechanism, modes: int, foreshortening: bool) -> Shapes:
@@ -66,22 +58,16 @@ def shapes_of(mechanism: Mechanism, modes: int, foreshortening: bool) -> Shapes:
 
 
 class _Fields(NamedTuple):
-    """Fields for places l (k,) at p points of both domains, the last of which is x = L; those of n shapes have the shape (k, p, n).
+    """Fields for places l (k,) at p points of both domains, the last of which is x = L; those of n shapes have the shape (k, p, n)."""
 
-    Attributes:
-        x, dx: arc lengths and integration weights, m, (k, p); the domains' ends have zero weight.
-        V, V_l, slope, slope_l: deflection across the tangent at P, slope across the line, and their derivatives by l.
-        base, base_l: slope at P across the line, (k, 1, n).
-    """
-
-    x: Array
-    dx: Array
-    V: Array
-    V_l: Array
-    slope: Array
-    slope_l: Array
-    base: Array
-    base_l: Array
+    x: Array  # arc lengths and integration weights, m, (k, p); the domains' ends have zero weight
+    dx: Array  # arc lengths and integration weights, m, (k, p); the domains' ends have zero weight
+    V: Array  # deflection across the tangent at P, slope across the line, and their derivatives by l
+    V_l: Array  # deflection across the tangent at P, slope across the line, and their derivatives by l
+    slope: Array  # deflection across the tangent at P, slope across the line, and their derivatives by l
+    slope_l: Array  # deflection across the tangent at P, slope across the line, and their derivatives by l
+    base: Array  # slope at P across the line, (k, 1, n)
+    base_l: Array  # slope at P across the line, (k, 1, n)
 
 
 def _fields(family: ModeFamily, places: Array) -> _Fields:

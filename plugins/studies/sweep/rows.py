@@ -54,40 +54,24 @@ class Impossible:
 
 @dataclass(frozen=True, kw_only=True)
 class MeasureRequest:
-    """The measures to take of each scene.
+    """The measures to take of each scene."""
 
-    Attributes:
-        measures: names.
-        engine: name.
-        claims: whether each number gets its error estimate, which takes a finer run.
-        accuracy: error of the tip deflection; None: the engine's default.
-        settings: of the engine, as texts.
-        duration: s, on which engines that march from the standard start estimate their error.
-    """
-
-    measures: tuple[str, ...]
-    engine: str = "reference"
-    claims: bool = True
-    accuracy: float | None = None
-    settings: Mapping[str, str] = field(default_factory=dict)
-    duration: float = 2.0
+    measures: tuple[str, ...]  # names
+    engine: str = "reference"  # name
+    claims: bool = True  # whether each number gets its error estimate, which takes a finer run
+    accuracy: float | None = None  # error of the tip deflection; None: the engine's default
+    settings: Mapping[str, str] = field(default_factory=dict)  # of the engine, as texts
+    duration: float = 2.0  # s, on which engines that march from the standard start estimate their error
 
 
 @dataclass(frozen=True)
 class Row:
-    """Measures and statuses of the points of a row.
+    """Measures and statuses of the points of a row."""
 
-    Attributes:
-        values: of each measure, nan where unavailable, shape (points, measures).
-        errors: errors of the values by the engine's own estimate, likewise.
-        statuses: status of each point.
-        sentences: reason of each status, "" if the point settled.
-    """
-
-    values: Array
-    errors: Array
-    statuses: tuple[str, ...]
-    sentences: tuple[str, ...]
+    values: Array  # of each measure, nan where unavailable, shape (points, measures)
+    errors: Array  # errors of the values by the engine's own estimate, likewise
+    statuses: tuple[str, ...]  # status of each point
+    sentences: tuple[str, ...]  # reason of each status, "" if the point settled
 
 
 def row(scenes: Sequence[Mechanism | Impossible], asked: MeasureRequest) -> Row:

@@ -40,17 +40,11 @@ FLAT: Final = 1e-9
 
 @dataclass(frozen=True, kw_only=True)
 class Estimate:
-    """A number of a measure's distribution, SI.
+    """A number of a measure's distribution, SI."""
 
-    Attributes:
-        value: the number.
-        error: standard error from the finite number of points; infinite if these are too few to tell.
-        simulation: largest change by the simulation's own errors at the points; nan where these are unknown.
-    """
-
-    value: float
-    error: float
-    simulation: float = math.nan
+    value: float  # the number
+    error: float  # standard error from the finite number of points; infinite if these are too few to tell
+    simulation: float = math.nan  # largest change by the simulation's own errors at the points; nan where these are unknown
 
     @property
     def half_width(self) -> float:

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
+from scipy.interpolate import CubicSpline
 
 from quickreturn.cases.motion.consensus import consensus
-from quickreturn.cases.motion.cycle import CycleMeasures, measure_cycle
+from quickreturn.cases.motion.cycle import CycleMeasures, measure_cycle, signals_by_half
 from quickreturn.cases.motion.extremes import extremes
 from quickreturn.cases.motion.time_scale import CHANNELS
 from tests.verification.measured_scenes import scale_of_run, vibrating_cycle
@@ -49,6 +50,26 @@ def test_known_frequency_and_amplitude_are_found(plain: CycleMeasures) -> None:
         assert measure.first_mode_amplitude == pytest.approx(AMPLITUDE * math.sqrt(np.mean(template**2)), rel=0.04)
     for agreed in plain.consensus:
         assert agreed.first_mode_frequency == pytest.approx(frequency, rel=0.005)  # halved by averaging four channels
+
+
+def test_noise_moves_a_number_as_its_gain_says() -> None:
+    """Noise of each of the 240 instants by itself moves a number by its gain over the root of 240: in 40 draws, whose scatter is 11 %."""
+    scale, speed = scale_of_run(24)
+    time, angle, channels = vibrating_cycle(scale, speed, FACTOR, AMPLITUDE)
+    rows = np.linspace(time[0], time[-1], 479)  # 240 in each half
+    angle, channels = CubicSpline(time, angle)(rows), {name: CubicSpline(time, values)(rows) for name, values in channels.items()}
+    quiet = measure_cycle(scale, rows, angle, channels).measures
+    halves = signals_by_half(rows, angle, channels)
+    assert [each.variation for each in quiet] == pytest.approx([np.std(halves[each.half, each.channel]) for each in quiet], rel=1e-3)
+    sizes = {name: 0.01 * min(each.variation for each in quiet if each.channel == name) for name in CHANNELS}
+    random, noisy = np.random.default_rng(5), []
+    for _ in range(40):
+        noise = {name: values + sizes[name] * random.standard_normal(479) for name, values in channels.items()}
+        noisy.append(measure_cycle(scale, rows, angle, noise).measures)
+    for name in ("first_mode_frequency", "first_mode_amplitude"):
+        for place, each in enumerate(quiet):
+            scatter = np.std([getattr(measures[place], name) for measures in noisy], ddof=1)
+            assert scatter == pytest.approx(each.response(name) * sizes[each.channel] / math.sqrt(240.0), rel=0.45), (name, each.channel)
 
 
 def test_errors_that_channels_share_stay_in_the_consensus() -> None:
