@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from typing import Any, Final
 
-from quickreturn.cases.comparison.engines import REFERENCE, CaseResult, Difference, Kind, agreement, not_judged
+from quickreturn.cases.comparison.engines import REFERENCE, WAVEFORM, CaseResult, Difference, Kind, agreement, not_judged
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.printable import Cell, Rows
 from quickreturn.cases.files.shown import Units
@@ -79,12 +79,10 @@ def _verdict(result: CaseResult) -> list[str]:
 
 def _departure(check: Difference, units: Units) -> str:
     unit, where = units.of(check.unit), check.channel or "all channels"
-    number, other = check.number.times(1.0 / unit.size), check.other_number.times(1.0 / unit.size)
-    return (
-        f"{check.quantity}, {check.half}-return, {where}: {number.value:.5g} and"
-        f" {unit.text(check.other_number.value, '.5g')} differ by {abs(number.value - other.value):.2g},"
-        f" the claims of {check.engine} and {check.other} allow {check.tolerance / unit.size:.2g}"
-    )
+    number, apart = check.number.value / unit.size, abs(check.difference) / unit.size
+    values = "the signals" if check.quantity in WAVEFORM else f"{number:.5g} and {unit.text(check.other_number.value, '.5g')}"
+    allowed = f"the claims of {check.engine} and {check.other} allow {check.tolerance / unit.size:.2g}"
+    return f"{check.quantity}, {check.half}-return, {where}: {values} differ by {apart:.2g}, {allowed}"
 
 
 def _row(case: Case, run: Run, accuracy_class: str | None) -> tuple[str, ...]:

@@ -65,7 +65,11 @@ def is_determined(mechanism: Mechanism) -> bool:
 
 
 def settle(
-    cycles: Iterable[Cycle], multiplier: float | None = None, rattles: bool = False, halve_step: Callable[[], None] = lambda: None
+    cycles: Iterable[Cycle],
+    multiplier: float | None = None,
+    rattles: bool = False,
+    halve_step: Callable[[], None] = lambda: None,
+    far: bool = False,
 ) -> tuple[tuple[Columns, ...], Settling]:
     """Take cycle after cycle until settled or hopeless, or until there are no more.
 
@@ -75,12 +79,13 @@ def settle(
         rattles: whether the slider's joint opens and closes, so that cycles may never repeat exactly.
         halve_step: halves the step between the rows of the cycles to come. It is called once where the changes are noise although nothing
             rattles: the rows of each cycle meet fast vibrations at other instants.
+        far: whether the march did not begin in the orbit of another engine.
 
     Returns:
         The columns of the cycles to measure, and the settling. If the cycles settle, the last one is measured; if they keep changing, the
         last `AVERAGED`; otherwise the last one, or none if there is none.
     """
-    settling, latest = Settling(multiplier=multiplier), deque[Columns](maxlen=AVERAGED)
+    settling, latest = Settling(multiplier=multiplier, far=far), deque[Columns](maxlen=AVERAGED)
     halved = False
     for cycle in cycles:
         latest.append(columns_of(cycle))

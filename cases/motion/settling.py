@@ -120,9 +120,13 @@ class Settling:
     Once the transient has died out, the changes are the noise of the computation and no longer shrink. If the multiplier m is known, the
     remaining error is at most that of the noise: the greatest of the last three changes over 1 - m. It is 0 for parts that move as the
     crank's prescribed angle alone says.
+
+    In a march from afar the changes of two slow modes may cancel for a cycle or two while both are large. There the greatest of the last
+    three changes counts, each less by m for every cycle since.
     """
 
     multiplier: float | None = None  # m, None where it is not known
+    far: bool = False  # whether the march did not begin in the orbit of another engine
     cycles: int = field(default=0, init=False)  # number of cycles seen
     changes: list[float] = field(default_factory=list, init=False)  # c between successive cycles, one fewer than cycles
     _largest: list[dict[str, float]] = field(default_factory=list, init=False)  # change of each channel, in its own unit
@@ -157,25 +161,25 @@ class Settling:
     @property
     def error_estimate(self) -> float:
         """Distance of the last cycle from the steady state relative to the signals' RMS; infinite where not yet known."""
-        return min((factor * max(self.changes[-count:]) for count, factor in self._left), default=math.inf)
+        return min((factor * _greatest(self.changes, weights) for weights, factor in self._left), default=math.inf)
 
     @property
     def errors(self) -> dict[str, float]:
         """The error of each channel at any angle, in its own unit; no less than its last change, which may be noise."""
-        left = self._left or [(1, math.inf)]
+        left = self._left or [((1.0,), math.inf)]
         return {
-            name: min(max(factor, 1.0) * max(change[name] for change in self._largest[-count:]) for count, factor in left)
+            name: min(max(factor, 1.0) * _greatest([change[name] for change in self._largest], weights) for weights, factor in left)
             for name in self._last
         }
 
     @property
-    def _left(self) -> list[tuple[int, float]]:
-        """Bounds of the remaining error: the number of changes whose greatest counts, and the ratio of the error to it."""
-        bounds, ratio = list[tuple[int, float]](), self.ratio
+    def _left(self) -> list[tuple[tuple[float, ...], float]]:
+        """Bounds of the remaining error: weights of the last changes, the greatest of which counts, and the ratio of the error to it."""
+        bounds, ratio, m = list[tuple[tuple[float, ...], float]](), self.ratio, self.multiplier
         if ratio < 1.0:
-            bounds.append((1, ratio / (1.0 - ratio)))
-        if self.cycles >= FEWEST_CYCLES and self.multiplier is not None and self.multiplier < 1.0:
-            bounds.append((3, 1.0 / (1.0 - self.multiplier)))
+            bounds.append(((1.0,) if m is None or not self.far else (m**2, m, 1.0), ratio / (1.0 - ratio)))
+        if self.cycles >= FEWEST_CYCLES and m is not None and m < 1.0:
+            bounds.append(((1.0, 1.0, 1.0), 1.0 / (1.0 - m)))
         return bounds
 
     @property
@@ -226,6 +230,11 @@ class Settling:
             return Outlook(change, left, ratio, self.cycles + more)
         stalled = next(i for i, c in enumerate(self.changes) if c <= SCATTER * float(np.median(self.changes[i:])))
         return Outlook(change, stalled_since=stalled + 2)
+
+
+def _greatest(changes: Sequence[float], weights: Sequence[float]) -> float:
+    """The greatest of the last changes, weighted."""
+    return max(weight * change for weight, change in zip(weights[::-1], changes[::-1], strict=False))
 
 
 def on_common_grid(cycle: Cycle) -> dict[str, Array]:

@@ -205,7 +205,13 @@ class _RunInProgress:
         progress.tell(phase="marching")
         self._early, march = (), self._march(self._settings)
         try:
-            cycles, settling = settle(self._noted(march), multiplier, self._mechanism.slider.has_corners, march.halve_step)
+            cycles, settling = settle(
+                self._noted(march),
+                multiplier,
+                self._mechanism.slider.has_corners,
+                march.halve_step,
+                far=self.run.approach.start == STANDARD,
+            )
         finally:
             self.note("computation", solve_seconds=march.solve_seconds, simulated_seconds=march.simulated_seconds)
         self.note("approach", settled=settling.settled or len(cycles) > 1, cycles=settling.cycles, averaged_cycles=max(len(cycles), 1))

@@ -6,7 +6,7 @@ engine's own estimates, and is compared with `reference` as in a report.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence, Set
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -14,7 +14,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from quickreturn.cases.comparison.campaign import carry_out, cross_validate
-from quickreturn.cases.comparison.engines import KINDS, REFERENCE, CaseResult, Kind, compare
+from quickreturn.cases.comparison.engines import REFERENCE, CaseResult, compare
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.library.thesis.runs import RUNS, run_name
@@ -40,53 +40,45 @@ OF_THE_MACHINE: Final = {
 CHANGE: Final = 0.01
 #: Planted sizes: relative, of a delay in milliseconds.
 SIZES: Final = (0.0002, 0.0005, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5)
-#: Kinds of numbers, of which each may find an error.
-ALL: Final[frozenset[Kind]] = frozenset({"frequency", "amplitude", "extreme", "waveform"})
 GAIN: Final = "gain"
 DELAY: Final = "delay"
 
 
 @dataclass(frozen=True, kw_only=True)
 class Planted:
-    """The smallest size from which on an error is found in a run, with both signs; None: the largest of `SIZES` is not found."""
+    """From which size on an error is found in each run, with both signs."""
 
-    run: int  # number
     engine: str  # in whose cycle it is planted
-    error: str  # name, one of `OF_THE_MACHINE`, `GAIN` or `DELAY`
-    found: float | None  # size that at least one comparison finds, relative; of a delay in ms
-    frequency: float | None  # size that a frequency finds; likewise the others
-    amplitude: float | None
-    extreme: float | None
-    waveform: float | None
+    error: str  # one of `OF_THE_MACHINE`, `GAIN` or `DELAY`
+    runs: tuple[int, ...]  # numbers of the runs in which both engines settle
+    found: tuple[float | None, ...]  # size in each, relative or ms; None: the largest of `SIZES` is not found
 
 
 Plant = Callable[[float], Mapping[str, np.ndarray]]
 
 
 def planted(workshop: Workshop, runs: Sequence[int] = tuple(RUNS)) -> list[Planted]:
-    """All errors in all runs in which both engines settle. KeyboardInterrupt: Ctrl-C; the runs that were computed are stored."""
+    """All errors in all runs. KeyboardInterrupt: Ctrl-C; the runs that were computed are stored."""
     cases = {run: load_case(run_name(run)) for run in runs}
-    results = cross_validate(list(cases.values()), workshop, (REFERENCE, *ENGINES))
+    results = dict(zip(runs, cross_validate(list(cases.values()), workshop, (REFERENCE, *ENGINES)), strict=True))
     changed = _changed(list(cases.values()), workshop)
     rows = []
-    for run, result in zip(cases, results, strict=True):
-        of_errors = {error: changed[result.case.name, error] for error in ("", *OF_THE_MACHINE)}
-        for name in ENGINES:
-            if all(result.runs[each].usable for each in (REFERENCE, name)):
-                rows += [
-                    Planted(run=run, engine=name, error=error, found=_from(kinds, ALL), **{kind: _from(kinds, {kind}) for kind in ALL})
-                    for error, kinds in _found(result, name, of_errors).items()
-                ]
+    for name in ENGINES:
+        judged = [run for run, result in results.items() if all(result.runs[each].usable for each in (REFERENCE, name))]
+        found = [_found(results[run], name, {error: changed[cases[run].name, error] for error in ("", *OF_THE_MACHINE)}) for run in judged]
+        for error in (*OF_THE_MACHINE, GAIN, DELAY):
+            sizes = tuple(from_size(of_errors[error]) for of_errors in found)
+            rows.append(Planted(engine=name, error=error, runs=tuple(judged), found=sizes))
     return rows
 
 
 def smallest(rows: Sequence[Planted], error: str, share: float = 0.9) -> float | None:
     """The smallest size from which on an error is found in this share of the runs, by every engine; None if the largest is not."""
-    groups: dict[str, list[float]] = {}
+    ends = []
     for row in rows:
-        if row.error == error:
-            groups.setdefault(row.engine, []).append(math.inf if row.found is None else row.found)
-    ends = [sorted(sizes)[math.ceil(share * len(sizes)) - 1] for sizes in groups.values()]
+        if row.error == error and row.found:
+            sizes = sorted(math.inf if size is None else size for size in row.found)
+            ends.append(sizes[math.ceil(share * len(sizes)) - 1])
     largest = max(ends, default=math.inf)
     return largest if math.isfinite(largest) else None
 
@@ -99,11 +91,10 @@ def found_words(rows: Sequence[Planted]) -> str:
     return f"An error of {listed(sizes, 'or')} of one engine would show in nine of ten runs" if sizes else ""
 
 
-def _from(kinds: Mapping[float, set[Kind]], some: Set[Kind]) -> float | None:
-    """The smallest size from which on some of these kinds find an error."""
-    missed = [size for size, found in kinds.items() if not found & some]
-    beyond = [size for size in SIZES if size > max(missed, default=0.0)]
-    return min(beyond, default=None)
+def from_size(found: Mapping[float, bool]) -> float | None:
+    """The smallest size from which on all sizes are found."""
+    missed = max((size for size, is_found in found.items() if not is_found), default=0.0)
+    return min((size for size in SIZES if size > missed), default=None)
 
 
 def _changed(cases: Sequence[Case], workshop: Workshop) -> dict[tuple[str, str], Columns]:
@@ -118,19 +109,16 @@ def _changed(cases: Sequence[Case], workshop: Workshop) -> dict[tuple[str, str],
     return {name: run.cycle for name, run in carry_out(requests, workshop, "changed machines").items()}
 
 
-def _found(result: CaseResult, name: str, cycles: Mapping[str, Columns]) -> dict[str, dict[float, set[Kind]]]:
-    """Error -> size -> kinds of numbers that find it with both signs."""
+def _found(result: CaseResult, name: str, cycles: Mapping[str, Columns]) -> dict[str, dict[float, bool]]:
+    """Error -> size -> whether at least one comparison finds it, with both signs."""
     run = result.runs[name]
-    kinds: dict[str, Kind] = {quantity: kind for kind, quantities in KINDS.items() for quantity in quantities}
-    kinds |= dict.fromkeys(KINDS["channel frequency"], "frequency")
     plants = {error: _of_machine(run.cycle, cycles[""], cycles[error]) for error in OF_THE_MACHINE}
     plants |= {GAIN: _gain(run.cycle), DELAY: _delay(run.cycle)}
 
-    def found(plant: Plant, size: float) -> set[Kind]:
-        judged = compare(result.case, {REFERENCE: result.runs[REFERENCE], name: _with(result.case, run, plant(size))})
-        return {kinds[check.quantity] for check in judged.missed}
+    def found(plant: Plant, size: float) -> bool:
+        return bool(compare(result.case, {REFERENCE: result.runs[REFERENCE], name: _with(result.case, run, plant(size))}).missed)
 
-    return {error: {size: found(plant, size) & found(plant, -size) for size in SIZES} for error, plant in plants.items()}
+    return {error: {size: found(plant, size) and found(plant, -size) for size in SIZES} for error, plant in plants.items()}
 
 
 def _with(case: Case, run: Run, channels: Mapping[str, np.ndarray]) -> Run:

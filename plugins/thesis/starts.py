@@ -30,27 +30,23 @@ STARTS: Final = {"standard": 0.0, "crank 100° on": np.radians(100.0)}
 
 @dataclass(frozen=True, kw_only=True)
 class Start:
-    """A settled cycle from another start, beside that from the orbit.
+    """Settled cycles from another start, beside those from the orbit."""
 
-    Attributes:
-        run: number.
-        engine: name.
-        start: one of `STARTS`.
-        cycles: number of cycles until settled.
-        difference: RMS over the channels of the difference of the two cycles, each over the channel's RMS.
-        claimed: what is left to the steady state by both runs' claims, likewise.
-    """
-
-    run: int
     engine: str
-    start: str
-    cycles: int
-    difference: float
-    claimed: float
+    start: str  # one of `STARTS`
+    runs: tuple[int, ...]  # numbers of the runs that settle
+    cycles: tuple[int, ...]  # until settled
+    difference: tuple[float, ...]  # RMS over the channels of the difference of the two cycles, each over the channel's RMS
+    claimed: tuple[float, ...]  # what is left to the steady state by both runs' claims, likewise
+
+    @property
+    def within(self) -> int:
+        """Number of cycles that are the same within the claims."""
+        return sum(difference <= claim for difference, claim in zip(self.difference, self.claimed, strict=True))
 
 
 def starts(workshop: Workshop, runs: Sequence[int] = tuple(RUNS)) -> list[Start]:
-    """Every engine in every run from every start. Where a run does not settle there is no row. KeyboardInterrupt: Ctrl-C."""
+    """Every engine from every start in the runs that settle. KeyboardInterrupt: Ctrl-C."""
     cases = {str(run): load_case(run_name(run)) for run in runs}
     requests = {
         (run, name): RunRequest(mechanism=case.mechanism, duration=case.duration, engine=name)
@@ -66,17 +62,22 @@ def starts(workshop: Workshop, runs: Sequence[int] = tuple(RUNS)) -> list[Start]
             moved = cases[run].mechanism_with({ANGLE: value_at(scene, ANGLE) + further})
             again[run, name, start] = replace(requests[run, name], mechanism=moved, settings=settings, straight=True, estimated=False)
     found = {place: run for place, run in carry_out(again, workshop, "from other starts").items() if run.approach.settled}
-    return [
-        Start(
-            run=int(run),
-            engine=name,
-            start=start,
-            cycles=straight.approach.cycles,
-            difference=cycle_difference(straight.cycle, begun[run, name].cycle),
-            claimed=sum(each.approach.settling_error or 0.0 for each in (straight, begun[run, name])),
-        )
-        for (run, name, start), straight in found.items()
-    ]
+    rows = []
+    for name in ENGINES:
+        for start in STARTS:
+            settled = {run: cycle for (run, engine, begun_in), cycle in found.items() if (engine, begun_in) == (name, start)}
+            pairs = [(straight, begun[run, name]) for run, straight in settled.items()]
+            rows.append(
+                Start(
+                    engine=name,
+                    start=start,
+                    runs=tuple(map(int, settled)),
+                    cycles=tuple(straight.approach.cycles for straight, _ in pairs),
+                    difference=tuple(cycle_difference(straight.cycle, orbit.cycle) for straight, orbit in pairs),
+                    claimed=tuple(sum(each.approach.settling_error or 0.0 for each in pair) for pair in pairs),
+                )
+            )
+    return rows
 
 
 def cycle_difference(one: Columns, other: Columns) -> float:

@@ -1,7 +1,7 @@
 """Recorded results of the long studies, as small CSV tables beside this file; the page shows them if the user's own are missing.
 
 Each row is a dataclass. The columns of a field that is a dataclass, or a mapping to numbers, are named `field.key`; a cell of any other
-structure is JSON. Numbers have five digits, times (s) three.
+structure is JSON. Numbers have four digits, times (s) three.
 `python -m quickreturn.record` writes them; `about.csv` says by which commit each study was made, and by which some of its cells were last
 computed anew and confirmed (`tests/quickreturn/records/test_recorded_cells.py`).
 """
@@ -28,7 +28,7 @@ T = TypeVar("T")
 
 FOLDER: Final = Path(__file__).parent
 #: Significant digits of recorded numbers, and of times: these scatter by more than their third digit.
-DIGITS: Final = 5
+DIGITS: Final = 4
 DIGITS_OF_TIMES: Final = 3
 #: A zero that an exponent begins with: 1e-06 is written as 1e-6, which saves a kilobyte, as leaving out empty last cells does.
 _LEADING_ZERO: Final = re.compile(r"(?<=\d)e-0")

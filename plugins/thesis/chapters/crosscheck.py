@@ -1,14 +1,14 @@
 """How sharp the cross-check is: errors that it finds, what engines share, and whether their cycles depend on the start."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any, Final
 
 from quickreturn.plugins.thesis.page_data import ThesisData
-from quickreturn.plugins.thesis.sharpness import ALL, SIZES, Planted, found_words
+from quickreturn.plugins.thesis.sharpness import SIZES, Planted, found_words
 from quickreturn.plugins.thesis.starts import Start
 from quickreturn.reports.page.chapter import Chapter
-from quickreturn.reports.tables.table import Cell, Column, Table
+from quickreturn.reports.tables.table import Column, Table
 from quickreturn.reports.words import counted
 
 #: Of two engines: what both take from the same place, and the check that covers it.
@@ -31,29 +31,22 @@ def crosscheck(content: ThesisData) -> Chapter | None:
 
 def finding(errors: Sequence[Planted], others: Sequence[Start]) -> str:
     """The smallest errors that are found in nine of ten runs, and whether cycles depend on the start."""
-    within = sum(each.difference <= each.claimed for each in others)
-    starts = f"{within} of {counted(len(others), 'cycle')} from other starts are the same within the claims" if others else ""
+    within, count = sum(row.within for row in others), sum(len(row.runs) for row in others)
+    starts = f"{within} of {counted(count, 'cycle')} from other starts are the same within the claims" if others else ""
     return "; ".join(filter(None, (found_words(errors), starts)))
 
 
 def planted_table(rows: Sequence[Planted]) -> Table:
     """Per engine and error: the number of runs in which it is found, by its size."""
-    groups: dict[tuple[str, str], list[Planted]] = {}
-    for row in rows:
-        groups.setdefault((row.engine, row.error), []).append(row)
     table = Table(
         "planted",
         """Errors planted in an engine's settled cycle: in how many runs at least one comparison with the reference finds them, with either
         sign. Sizes are relative; those of a delay are in ms. A change of the machine moves the cycle as it moves the reference's.""",
         ("engine", "error", Column("runs", form="d"), *(Column(f"size_{size:g}", f"{size:g}", form="d", group="size") for size in SIZES)),
     )
-    for (engine, error), some in groups.items():
-        cells = {}
-        for size in SIZES:
-            counts = {kind: sum((getattr(row, kind) or math.inf) <= size for row in some) for kind in ("found", *sorted(ALL))}
-            note = ", ".join(f"{counts[kind]} by {kind}" for kind in sorted(ALL))
-            cells[f"size_{size:g}"] = Cell(counts["found"], note=note)
-        table.add(engine=engine, error=error, runs=len(some), **cells)
+    for row in rows:
+        counts = {f"size_{size:g}": sum((found or math.inf) <= size for found in row.found) for size in SIZES}
+        table.add(engine=row.engine, error=row.error, runs=len(row.runs), **counts)
     return table
 
 
@@ -85,16 +78,8 @@ def starts_table(rows: Sequence[Start]) -> Table:
             Column("beyond", form="d"),
         ),
     )
-    groups: dict[tuple[str, str], list[Start]] = {}
     for row in rows:
-        groups.setdefault((row.engine, row.start), []).append(row)
-    for (engine, start), some in groups.items():
-        numbers: Mapping[str, Any] = {
-            "settled": len(some),
-            "cycles": max(each.cycles for each in some),
-            "difference": max(each.difference for each in some),
-            "used": max(each.difference / each.claimed for each in some),
-            "beyond": sum(each.difference > each.claimed for each in some),
-        }
-        table.add(engine=engine, start=start, **numbers)
+        used = max((difference / claim for difference, claim in zip(row.difference, row.claimed, strict=True)), default=None)
+        numbers = {"settled": len(row.runs), "cycles": max(row.cycles, default=None), "difference": max(row.difference, default=None)}
+        table.add(engine=row.engine, start=row.start, **numbers, used=used, beyond=len(row.runs) - row.within)
     return table

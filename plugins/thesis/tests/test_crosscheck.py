@@ -9,7 +9,7 @@ from quickreturn.cases.running.in_process import ThisProcess
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.plugins.thesis.chapters.crosscheck import finding, planted_table, starts_table
-from quickreturn.plugins.thesis.sharpness import ENGINES, GAIN, SIZES, Planted, _delay, _from, _gain, _of_machine, planted, smallest
+from quickreturn.plugins.thesis.sharpness import ENGINES, GAIN, SIZES, Planted, _delay, _gain, _of_machine, from_size, planted, smallest
 from quickreturn.plugins.thesis.starts import Start, starts
 
 ANGLE = np.linspace(0.0, 2.0 * np.pi, 401)
@@ -17,24 +17,23 @@ CYCLE = {"time": 5.0 + ANGLE / 20.0, "crank_angle": np.pi + ANGLE, **{name: np.s
 
 
 def planted_rows(size: float | None = 0.002, missed: int = 2) -> list[Planted]:
-    """A gain that is found from this size on in all runs but some, in which none is."""
-    sizes = [size] * (20 - missed) + [None] * missed
-    return [
-        Planted(run=run, engine=engine, error=GAIN, found=found, frequency=None, amplitude=found, extreme=None, waveform=found)
-        for engine in ENGINES
-        for run, found in enumerate(sizes, 1)
-    ]
+    """A gain that is found from this size on in all of twenty runs but some, in which none is."""
+    found = (size,) * (20 - missed) + (None,) * missed
+    return [Planted(engine=engine, error=GAIN, runs=tuple(range(1, 21)), found=found) for engine in ENGINES]
 
 
 def start_rows(difference: float = 3e-4) -> list[Start]:
-    return [Start(run=run, engine="mujoco", start="standard", cycles=20, difference=difference * run, claimed=1e-3) for run in (1, 2)]
+    return [
+        Start(
+            engine="mujoco", start="standard", runs=(1, 2), cycles=(20, 18), difference=(difference, 2.0 * difference), claimed=(1e-3, 1e-3)
+        )
+    ]
 
 
 def test_an_error_is_found_from_the_size_on_beyond_which_no_size_is_missed() -> None:
-    kinds = {size: {"waveform"} if size == 0.0005 or size > 0.001 else {"extreme"} for size in SIZES}
-    assert _from(kinds, {"waveform"}) == 0.002
-    assert _from(kinds, {"waveform", "extreme"}) == SIZES[0]
-    assert _from(kinds, {"frequency"}) is None
+    assert from_size({size: size == 0.0005 or size > 0.001 for size in SIZES}) == 0.002
+    assert from_size(dict.fromkeys(SIZES, True)) == SIZES[0]
+    assert from_size(dict.fromkeys(SIZES, False)) is None
 
 
 @pytest.mark.parametrize(("missed", "expected"), [(0, 0.002), (2, 0.002), (3, None)])
@@ -67,9 +66,8 @@ def test_plants_are_what_they_are_called() -> None:
 def test_half_a_per_cent_of_stiffness_shows_in_a_run_and_no_start_matters(tmp_path: object) -> None:
     run = min(RUNS, key=lambda number: RUNS[number].steady_speed)
     workshop = Workshop(Store(tmp_path), ThisProcess())  # type: ignore[arg-type]
-    found = {(row.engine, row.error): row.found for row in planted(workshop, [run])}
-    assert all(found[engine, "bending stiffness"] is not None for engine in ENGINES)
-    assert max(found[engine, "bending stiffness"] or 1.0 for engine in ENGINES) <= 0.005
+    found = {row.engine: row.found[0] for row in planted(workshop, [run]) if row.error == "bending stiffness"}
+    assert all((found[engine] or 1.0) <= 0.005 for engine in ENGINES)
     again = starts(workshop, [run])
-    assert len(again) == 4
-    assert all(each.difference <= each.claimed for each in again), again
+    assert [row.runs for row in again] == [(run,)] * 4
+    assert sum(row.within for row in again) == 4, again

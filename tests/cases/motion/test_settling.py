@@ -205,6 +205,22 @@ def test_noise_is_what_is_left_where_the_multiplier_is_known(seed: int, multipli
     assert settling.errors["strain_1"] > abs(distances[settling.cycles - 1])
 
 
+@pytest.mark.parametrize("turn", [0.6, 0.9])
+def test_changes_that_cancel_for_a_cycle_do_not_settle_a_march_from_afar(turn: float) -> None:
+    """A complex multiplier: the change of a cycle passes through zero while the next ones are large."""
+
+    def used(phase: float, far: bool) -> float:
+        settling, left = Settling(multiplier=0.75, far=far), 0.3 * 0.75 ** np.arange(60) * np.cos(turn * np.arange(60) + phase)
+        for number, value in enumerate(left):
+            if settling.feed(cycle(number, np.sin(ANGLES) + 1.0 + value)):
+                return abs(float(value)) / math.sqrt(1.5) / settling.error_estimate
+        raise AssertionError("it does not settle")
+
+    phases = np.linspace(0.0, 2.0 * np.pi, 25)
+    assert max(used(phase, far=False) for phase in phases) > 10.0
+    assert max(used(phase, far=True) for phase in phases) < 0.6
+
+
 def test_few_cycles_promise_nothing() -> None:
     assert fed([0.1], Settling()).outlook.change is None
     assert fed([0.1, 0.05, 0.02], Settling()).outlook.stalled_since is None

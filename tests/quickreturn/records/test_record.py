@@ -52,9 +52,9 @@ def test_what_is_written_is_read_back(tmp_path: Path, monkeypatch: pytest.Monkey
     (tmp_path / "scenes.csv").write_text(text_of([dataclasses.replace(measured, trials=())]))
     (tmp_path / "cells.csv").write_text(text_of(found.cells.values()))
     for read, written in zip(table("trials", Trial), measured.trials, strict=True):
-        for name, value in vars(written).items():  # five digits of numbers
+        for name, value in vars(written).items():  # four digits of numbers
             known = getattr(read, name)
-            assert known == (pytest.approx(value, rel=5e-5) if name in ("errors", "statistics") or isinstance(value, float) else value), (
+            assert known == (pytest.approx(value, rel=5e-4) if name in ("errors", "statistics") or isinstance(value, float) else value), (
                 name
             )
     assert table("scenes", Benchmark) == [dataclasses.replace(measured, trials=())]
@@ -175,7 +175,7 @@ def test_a_recorded_cell_comes_out_again(case: str, name: str, rank: int) -> Non
     truth = solved(case, found.truth.engine, json.dumps(found.truth.settings))
     again = solved(case, name, json.dumps(trial.settings))
     difference = ((again["tip_deflection"] - truth["tip_deflection"]) ** 2).mean() ** 0.5
-    # recorded with five digits; the rest is what another machine's rounding may do to adaptive steps
+    # recorded with four digits; the rest is what another machine's rounding may do to adaptive steps
     assert difference / found.truth.sizes["tip_deflection"] == pytest.approx(trial.error, rel=1e-3)
 
 
@@ -186,5 +186,5 @@ def test_a_recorded_error_of_the_map_comes_out_again(name: str) -> None:
     scene = next(scene for scene in known.scenes if scene.groups == CENTRE)
     (recorded,) = (trial for trial in known.at(scene, LEVELS[0]) if trial.engine == name)
     (again, _) = measured(CENTRE, name, truth_of(case_of(CENTRE)))
-    # five digits, and what another machine's rounding may do to adaptive steps
+    # four digits, and what another machine's rounding may do to adaptive steps
     assert (again.status, again.error) == (recorded.status, pytest.approx(recorded.error, rel=1e-3))
