@@ -48,7 +48,7 @@ LARGEST_KERNEL = 10_000
 BUDGETS = {
     "reference_model": 5_470,
     "engines": 4_300,
-    "cases": 5_910,
+    "cases": 5_920,
     "reports": 2_310,
     "quickreturn": 1_910,
     "pack": 90,
