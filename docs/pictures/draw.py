@@ -1,6 +1,6 @@
 """Draws the still pictures of the documents: `python docs/pictures/draw.py docs/pictures`.
 
-Run 24's steady state and the studies take some minutes unless they are stored; the picture of methods shows the recorded benchmark.
+Run 24's steady state and the studies take some minutes unless they are stored; the picture of methods shows the recorded race.
 """
 
 import io
@@ -17,8 +17,8 @@ from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
-from quickreturn.plugins.methods import work_precision
-from quickreturn.plugins.methods.records import benchmarks
+from quickreturn.plugins.methods import drawing as methods
+from quickreturn.plugins.methods.studies import recorded
 from quickreturn.plugins.studies.drawing import resonance
 from quickreturn.plugins.studies.drawing import study as study_plot
 from quickreturn.plugins.studies.resonance_curve.range import SPEED, range_of
@@ -49,7 +49,7 @@ def main(folder: Path) -> None:
     (result,) = cross_validate([case], workshop)
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "run-24.png").write_bytes(png(cycle.draw_cycle(result, printed_ranges(RUN))))
-    (folder / "methods.png").write_bytes(png(work_precision.draw(benchmarks()[CASE])))
+    (folder / "methods.png").write_bytes(png(methods.draw(next(found for found in recorded("benchmark") if found.case == CASE))))
     (folder / "resonance.png").write_bytes(png(curve(case, workshop)))
     for measure, axes in MAPS.items():
         request = MeasureRequest(measures=(measure,), claims=False, duration=case.duration)

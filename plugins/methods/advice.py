@@ -11,10 +11,9 @@ from quickreturn.cases.files.units import in_si
 from quickreturn.computing import checked
 from quickreturn.engines.base import Refusal
 from quickreturn.engines.registry import engine
-from quickreturn.plugins.methods.classes.groups import MEANINGS, Groups, groups_of
-from quickreturn.plugins.methods.classes.map import TIMES, Map, off_the_map
-from quickreturn.plugins.methods.classes.measurement import LEVELS, REFUSED
-from quickreturn.plugins.methods.trials.trial import Trial
+from quickreturn.plugins.methods.groups import MEANINGS, Groups, groups_of
+from quickreturn.plugins.methods.map import LEVELS, TIMES, Map, off_the_map
+from quickreturn.plugins.methods.row import REFUSED, Row
 
 
 @dataclass(frozen=True, repr=False)
@@ -30,7 +29,7 @@ class Advice(Printable):
         steps: how far the machine is from it, in steps of the map.
         sharpness: relative difference of two independent solutions of that scene; None if it has no second one.
         outside: sentences, each on a quantity for which the machine lies outside the map and the advice is an extrapolation.
-        use: name of a time, see `classes.map.TIMES` -> the fastest engine that models this machine; absent where there is none.
+        use: name of a time, see `map.TIMES` -> the fastest engine that models this machine; absent where there is none.
         reaches: what each engine reached in that scene, or its refusal of this machine.
     """
 
@@ -43,7 +42,7 @@ class Advice(Printable):
     sharpness: float | None
     outside: tuple[str, ...]
     use: Mapping[str, str]
-    reaches: tuple[Trial, ...]
+    reaches: tuple[Row, ...]
 
     def _parts(self) -> Iterator[Cell]:
         yield f"{self.case}: which method for an error of {100.0 * self.accuracy:g} %"
@@ -52,7 +51,7 @@ class Advice(Printable):
         yield f"nearest scene of the map: {self.scene} ({self.steps:.1f} steps away){sharp}"
         yield from (f"outside the map, so this is an extrapolation: {each}" for each in self.outside)
         yield from (f"fastest by {by}: {self.use.get(by, 'no method is known to reach it')}" for by in TIMES)
-        rows = [(each.engine, _time(each.solve_seconds), _time(each.waited_seconds), _remark(each)) for each in self.reaches]
+        rows = [(each.engine, _time(each.solve_seconds), _time(each.answer_seconds), _remark(each)) for each in self.reaches]
         yield Rows(rows, ("engine", "solve", "wait", f"a turn of the crank in that scene, to {100.0 * self.level:g} %"))
 
 
@@ -67,7 +66,7 @@ def advise(case: AnyCase, accuracy: float = LEVELS[0]) -> Advice:
         CaseError: no such case, or a machine without a bending frequency or without a turning crank; it has no place on the map.
         ValueError: `accuracy` is out of range.
     """
-    from quickreturn.plugins.methods.records import class_map
+    from quickreturn.plugins.methods.studies import class_map
 
     chosen, error, recorded_map = one_case(case), checked(accuracy) or LEVELS[0], class_map()
     groups = groups_of(chosen.mechanism)
@@ -96,13 +95,13 @@ def _advice(case: Case, groups: Groups, accuracy: float, class_map: Map) -> Advi
     return Advice(case.name, groups, accuracy, level, scene.name, steps, scene.difference, tuple(outside), use, reaches)
 
 
-def _for_machine(case: Case, trial: Trial) -> Trial:
+def _for_machine(case: Case, trial: Row) -> Row:
     """What an engine reached in a scene of the map, with the status `REFUSED` if it refuses this machine, and only then."""
     try:
         engine(trial.engine).check(case.mechanism)
     except Refusal as refusal:
         known = {name: getattr(trial, name) for name in ("scene", "engine", "level")}
-        return Trial(**known, status=REFUSED, remark=str(refusal))
+        return Row(**known, status=REFUSED, remark=str(refusal))
     return replace(trial, remark="") if trial.status == REFUSED else trial
 
 
@@ -110,7 +109,7 @@ def _time(seconds: float | None) -> str:
     return "-" if seconds is None else f"{seconds / in_si('ms'):.3g} ms" if seconds < 1.0 else f"{seconds:.2g} s"
 
 
-def _remark(trial: Trial) -> str:
+def _remark(trial: Row) -> str:
     """The status and the remaining error of an engine that misses the level, and the reason."""
     missed = trial.solve_seconds is None
     left = f"{100.0 * trial.error:.2g} % remains" if missed and trial.error is not None else ""

@@ -1,6 +1,9 @@
-"""`quickreturn benchmark`: error against solve time over each engine's settings; and `advise`: which method, by the map of classes."""
+"""`quickreturn benchmark`: the race of methods in a scene; and `advise`: which method, by the map of classes."""
 
+from collections.abc import Iterator
 from dataclasses import asdict
+from itertools import product
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import click
@@ -12,16 +15,11 @@ from quickreturn.computing import HIGHEST, LOWEST, workshop
 from quickreturn.reports.output import print_json, print_table
 
 if TYPE_CHECKING:
-    from quickreturn.plugins.methods.benchmark import Benchmark
-    from quickreturn.plugins.methods.trials.trial import Trial
+    from quickreturn.plugins.methods.fronts import Standing
+    from quickreturn.plugins.methods.race import Race
 
-#: Fields of a trial in the document: of each one, and of one that completed.
-_KNOWN: Final = ("engine", "settings", "status")
-_TIMES: Final = ("solve_seconds", "solve_seconds_median", "solve_seconds_largest", "repetitions", "setup_seconds", "estimate_seconds")
-_MEASURED: Final = ("degrees_of_freedom", "errors", *_TIMES)
-
-#: Fields of a trial in the document of `advise`.
-_ADVISED: Final = ("scene", "engine", "level", "status", "solve_seconds", "waited_seconds", "error", "remark")
+#: Fields of a row in the document of `advise`.
+_ADVISED: Final = ("scene", "engine", "variant", "settings", "level", "status", "solve_seconds", "error", "remark")
 
 
 @options.command(
@@ -29,97 +27,109 @@ _ADVISED: Final = ("scene", "engine", "level", "status", "solve_seconds", "waite
     options.tag,
     options.engines_for(help="Engine to measure; may be given again. Default: the nine engines that the report compares."),
     options.single(
-        "--repetitions",
+        "--runs",
         metavar="N",
-        read=options.number(1, 100, 5, whole=True),
-        default="5",
+        read=options.number(1, 1000, 32, whole=True),
+        default="32",
         show_default=True,
-        help="Repetitions at most, 1 to 100, interleaved.",
+        help="Runs for each combination of an engine's choices, at most.",
     ),
+    options.single("--lines", metavar="FILE", help="File with settings that somebody signs, written like SIGNED.toml of this project."),
     options.case_assignments,
     options.limited,
     options.json,
 )
-def benchmark(call: Call, repetitions: int) -> int:
-    """Measure error and solve time of every engine over its ladder of settings, from the standard start of each CASE.
+def benchmark(call: Call, runs: int, lines: str | None) -> int:
+    """Find what each method needs for an error, in seconds and right-hand sides, from the standard start of each CASE.
 
-    Without a CASE it measures the scenes on which the report compares methods. The report shows a measurement only if it contains all nine
-    engines. All engines share one process: the time limit is for their sum.
+    A method is an engine with one of its choices of shapes, joint and integrator. The settings are searched for, with as many runs for each
+    method as for any other. Without a CASE the scenes are those on which the report compares methods, and the settings chosen in the first
+    one are tried in the others, too.
 
     Exit code 3: the solution that defines the error could not be computed, an engine died or was stopped at a limit, or a default
     engine is not installed; the others are still measured. Settings with which an engine reports a failure are listed, but are not an
     error.
     """
-    from quickreturn.plugins.methods.benchmark import SCENES, compiling, measure
-    from quickreturn.plugins.methods.benchmark.scenes import ENGINES
+    from dataclasses import replace
 
+    from quickreturn.plugins.methods.compiling import compiling
+    from quickreturn.plugins.methods.race import race
+    from quickreturn.plugins.methods.signed import read_lines
+    from quickreturn.plugins.methods.studies import ENGINES, SCENES, contest
+
+    signed = read_lines(Path(lines)) if lines else ()
     loaded = call.loaded(otherwise=SCENES)
     names = call.engines or ENGINES
     call.refuse_missing()
     _ = [case.mechanism for case in loaded]  # a scene without crank is refused before anything runs
-    measured, failed = [], False
+    races, failed, chosen = list["Race"](), False, None
     with workshop(None, call.quiet, loaded, names) as opened:
         if not call.cases and not call.tag:
             compiling(opened, names)  # for the report
         for case in loaded:
             try:
-                measured.append(measure(case, opened, names, repetitions))
-            except qr.EngineFailure as failure:  # of the reference solution; the other cases have their own
+                found = race(case, replace(contest(signed, chosen, names), runs=runs), opened)
+            except qr.EngineFailure as failure:  # of the solution that defines errors; the other cases have their own
                 tell(f"{case.name}: {failure}")
                 failed = True
                 continue
+            assert found is not None  # this workshop computes
+            races.append(found)
+            if not (call.cases or call.tag) and case.name == SCENES[0]:
+                chosen = found
             if not call.as_json:
-                _print(measured[-1])
+                _print(found)
     if call.as_json:
-        print_json({"benchmarks": [_as_document(table) for table in measured]})
-    for table in measured:
-        for name, reason in table.failures.items():
-            tell(f"{table.case}: engine {name} was left out: {reason}")
-    if failed or any(table.failures for table in measured):
+        print_json({"benchmarks": [_as_document(found) for found in races]})
+    for found in races:
+        for name, reason in found.failures.items():
+            tell(f"{found.case}: engine {name} was left out: {reason}")
+    if failed or any(found.failures for found in races):
         return ExitCode.ENGINE_TROUBLE
     return ExitCode.BAD_INPUT if call.lost else ExitCode.GOOD
 
 
-def _print(table: "Benchmark") -> None:
-    from quickreturn.plugins.methods.trials.queries import changing, pareto_front
+def _print(found: "Race") -> None:
+    from quickreturn.plugins.methods.row import REACHED
     from quickreturn.reports.words import settings_words
 
-    truth, confirmation = table.truth, table.confirmation
-    agreed = f"not confirmed: {confirmation.status}"
-    if confirmation.completed:
-        difference = confirmation.error
-        agreed = "nothing bends" if difference is None else f"{confirmation.engine} agrees to {difference:.1e} in the tip deflection"
-    click.echo(f"{table.case}: errors against {truth.engine} ({settings_words(truth.settings)}); {agreed}")
-    front = pareto_front(table.trials)
-    heads = ("", "method", "settings", "dof", "solve s", "largest s", "deflection", "acceleration", "strain", "force", "remark")
-    print_table([_row(each, each in front, settings_words(changing(each, table.trials))) for each in table.trials], heads)
-    click.echo("* on the Pareto front of solve time and error of the tip deflection")
+    other = found.confirmation
+    agreed = (
+        f"not confirmed: {other.status}" if other.error is None else f"{other.engine} agrees to {other.error:.1e} in the tip deflection"
+    )
+    click.echo(f"{found.case}: errors against {settings_words(found.truth)}; {agreed}")
+    table = []
+    for by, level, method, at in _levels(found):
+        row = at.row
+        numbers = (at.seconds, 1e3), (row.seconds, 1e3), (row.calls, 1.0), (row.call_seconds, 1e6), (row.rows_seconds, 1e3)
+        texts = ("-" if value is None else f"{scale * value:.4g}" for value, scale in numbers)
+        table.append((by, f"{100.0 * level:g} %", method, *texts, settings_words(row.settings), row.signed))
+    times = ("ms at the level", "ms", "right-hand sides", "µs each", "ms for rows")
+    print_table(table, ("error of", "to", "method", *times, "first settings below it", "signed by"))
+    for row in found.rows:
+        if row.level is not None:
+            answer = f"{row.answer_seconds or 0.0:.3g} s" if row.status == REACHED else f"{row.status} {row.remark}"
+            click.echo(f"{row.engine} asked for {100.0 * row.level:g} %: {answer}")
 
 
-def _as_document(table: "Benchmark") -> dict[str, Any]:
-    """The table as a document: trials with the measured values, if any, and the differences or the failure of the confirmation."""
-    from quickreturn.plugins.methods.trials.queries import changing
+def _levels(found: "Race") -> "Iterator[tuple[str, float, str, Standing]]":
+    """Criterion, level, method, and the method's standing, the fastest first."""
+    from quickreturn.plugins.methods.fronts import CRITERIA, standings
+    from quickreturn.plugins.methods.row import LEVELS
 
-    points, other = [], table.confirmation
-    for trial in table.trials:
-        points.append({"method": trial.method, "changing": changing(trial, table.trials)} | {name: getattr(trial, name) for name in _KNOWN})
-        if trial.completed:
-            statistics = dict(trial.statistics)
-            calls = {"calls_per_period": statistics.pop("calls_per_period", None)}
-            points[-1] |= {name: getattr(trial, name) for name in _MEASURED} | calls | {"statistics": statistics}
-    outcome = {"differences": other.errors} if other.completed else {"failure": other.status}
-    document = {"points" if name == "trials" else name: value for name, value in vars(table).items()}
-    return document | {"points": points, "confirmation": {"engine": other.engine, "settings": other.settings, **outcome}}
+    for by, level in product(CRITERIA, LEVELS):
+        yield from ((by, level, method, at) for method, at in standings(found.given, level, by).items())
 
 
-def _row(trial: "Trial", best: bool, settings: str) -> tuple[str, ...]:
-    head = ("*" if best else "", trial.method, settings)
-    if not trial.completed:
-        return (*head, *[""] * 7, trial.status)
-    errors = [trial.error_of(column) for column in ("tip_deflection", "tip_acceleration", "strain", "slider_force")]
-    times = (f"{trial.seconds:.4f}", f"{trial.solve_seconds_largest:.4f}")
-    free = "-" if trial.degrees_of_freedom is None else str(trial.degrees_of_freedom)
-    return (*head, free, *times, *("-" if value is None else f"{value:.1e}" for value in errors), "")
+def _as_document(found: "Race") -> dict[str, Any]:
+    """The race as a document; `points` are its rows, `levels` the time of each method at each level of the error."""
+    levels = [
+        {"by": by, "level": level, "method": method, "seconds": at.seconds, "calls": at.calls, "first_below": asdict(at.row)}
+        for by, level, method, at in _levels(found)
+    ]
+    document = asdict(found)
+    del document["rows"]
+    return document | {"points": [{"method": row.method} | asdict(row) for row in found.rows], "levels": levels}
 
 
 @options.command(
@@ -138,5 +148,9 @@ def advise(call: Call) -> None:
     loaded = call.loaded()
     found = [qr.advise(case, call.accuracy or 0.01) for case in loaded]
     tell_doubts(loaded)
-    documents = [asdict(each) | {"reaches": [{key: getattr(trial, key) for key in _ADVISED} for trial in each.reaches]} for each in found]
+    documents = [
+        asdict(each)
+        | {"reaches": [{key: getattr(row, key) for key in _ADVISED} | {"waited_seconds": row.answer_seconds} for row in each.reaches]}
+        for each in found
+    ]
     call.show_each(documents, "\n\n".join(map(str, found)))

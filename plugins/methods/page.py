@@ -3,14 +3,11 @@
 from quickreturn.plugins.methods.chapters.accuracy import accuracy
 from quickreturn.plugins.methods.chapters.classes import classes
 from quickreturn.plugins.methods.chapters.hard import hard_scenes
-from quickreturn.plugins.methods.chapters.methods import methods
-from quickreturn.plugins.methods.data import work
-from quickreturn.plugins.methods.fastest import fastest_figure
+from quickreturn.plugins.methods.chapters.methods import fastest_figure, methods
 from quickreturn.reports.page.part import Part
 
 PAGE = Part(
     chapters={methods: 50, classes: 51, accuracy: 52, hard_scenes: 53},
     templates=("quickreturn.plugins.methods",),
-    work=work,
     figure=fastest_figure,
 )

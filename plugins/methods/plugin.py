@@ -3,7 +3,7 @@
 from quickreturn.engines.plugins import Plugin
 
 _HERE = "quickreturn.plugins.methods"
-_BENCHMARK = "Measure error and solve time of every engine over its ladder of settings, from the standard start of each CASE."
+_BENCHMARK = "Find what each method needs for an error, in seconds and right-hand sides, from the standard start of each CASE."
 _ADVISE = "Say where CASE lies on the map of classes, and which methods were the fastest there to an error."
 PLUGIN = Plugin(
     engines={
@@ -19,9 +19,8 @@ PLUGIN = Plugin(
     },
     page=f"{_HERE}.page:PAGE",
     records={
-        "benchmark": f"{_HERE}.records:benchmark_rows",
-        "hard scenes": f"{_HERE}.records:hard_scene_rows",
-        "confirmation": f"{_HERE}.records:confirmation_rows",
-        "classes": f"{_HERE}.records:class_rows",
+        "benchmark": f"{_HERE}.studies:front_rows",
+        "hard scenes": f"{_HERE}.studies:hard_scene_rows",
+        "classes": f"{_HERE}.studies:class_rows",
     },
 )

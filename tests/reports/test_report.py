@@ -3,7 +3,6 @@
 import csv
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -14,8 +13,7 @@ from quickreturn.cases.running.processes import LocalProcesses
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.plugins.conform.records import verdicts
-from quickreturn.plugins.methods.tests.made_up_benchmark import made_up_benchmark
-from quickreturn.plugins.methods.tests.made_up_studies import made_up_studies
+from quickreturn.plugins.methods.tests.made_up_races import made_up_fronts, made_up_race
 from quickreturn.plugins.methods.tests.pages import of_studies
 from quickreturn.reports import report as report_module
 from quickreturn.reports.machine import machine_facts
@@ -36,26 +34,11 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A report on two made-up cases, in one of which an engine failed, with studies."""
     place = tmp_path_factory.mktemp("report")
     results = [reported_result("thesis-24"), reported_result("thesis-06", {"exudyn": "failed"}, seed=5)]
-    benchmarks = [made_up_benchmark(), made_up_benchmark("thesis-17", confirmed=False)]
     told = {"facts": machine_facts(), "code": "abc", "notices": ("a <notice>",)}
-    data = of_studies(studies=made_up_studies(), benchmarks=benchmarks)
+    data = of_studies(fronts=made_up_fronts(made_up_race(), made_up_race("thesis-17", confirmed=False)))
     content = content_of(results=results, data=data, **told)  # type: ignore[arg-type]
     write(content, place)
     return place
-
-
-@pytest.mark.parametrize("absent", ["converged", "prescribed", "convergence", "accuracy", "all"])
-def test_a_page_without_parts_of_the_studies_has_the_others(absent: str) -> None:
-    """They belong to engines that were not asked for."""
-    empty = {"converged": None, "prescribed": None, "convergence": (), "accuracy": (), "confirming": ()}
-    lacking = replace(made_up_studies(), **(empty if absent == "all" else {absent: empty[absent]}))
-    content = content_of(results=[reported_result("thesis-24")], data=of_studies(studies=lacking), facts=machine_facts())
-    chapters = [chapter for chapter in chapters_of(content) if chapter.id == "accuracy"]
-    page = report_page(content, chapters)
-    for name in ("prescribed_speed", "convergence", "accuracy"):
-        part = name.removesuffix("_speed")
-        lacks = absent in (part, "all") or (name == "prescribed_speed" and absent == "converged")
-        assert (f'id="table-{name}"' in page) != lacks, name
 
 
 @pytest.fixture(scope="module")

@@ -44,7 +44,8 @@ from quickreturn.engines.registry import engine, engine_names
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory
-from quickreturn.plugins.methods.trials.trial import errors_of, run_of
+from quickreturn.plugins.methods.row import errors_of
+from quickreturn.plugins.methods.truth import run_of
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from tests.verification.claims import deliveries, left_out, summary

@@ -5,14 +5,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-from quickreturn.plugins.methods.classes.grid import CENTRE, TURNS, grid, name_of
-from quickreturn.plugins.methods.classes.groups import MEANINGS
-from quickreturn.plugins.methods.classes.map import STATUSES, TIMES, Map
-from quickreturn.plugins.methods.classes.measurement import LEVELS, LIMIT, REACHED
-from quickreturn.plugins.methods.classes.study import ClassScene
-from quickreturn.plugins.methods.data import map_of
-from quickreturn.plugins.methods.fastest import is_own
-from quickreturn.plugins.methods.trials.trial import Trial
+from quickreturn.plugins.methods.chapters.methods import is_own
+from quickreturn.plugins.methods.groups import CENTRE, MEANINGS, TURNS, grid, name_of
+from quickreturn.plugins.methods.map import LEVELS, STATUSES, TIMES, ClassScene, Map
+from quickreturn.plugins.methods.row import REACHED, Row
+from quickreturn.plugins.methods.studies import map_of
 from quickreturn.reports.line_styles import looks
 from quickreturn.reports.long_studies import about
 from quickreturn.reports.page.chapter import Chapter
@@ -25,7 +22,7 @@ _PALE, _FULL = 8, 34
 #: What the engine of that name is.
 CHAIN: Final = " (mujoco is this project’s chain and time loop on MuJoCo)"
 #: What an opponent would say of the race.
-CHOSEN: Final = "; all settings are this project’s choice, and reference alone slows its fast modes"
+CHOSEN: Final = "; all settings are this project’s choice"
 _SPEED: Final = "crank speed over the lowest bending frequency"
 
 
@@ -61,7 +58,6 @@ def classes(content: Content) -> Chapter | None:
         "own": own,
         "meanings": MEANINGS,
         "blunt": blunt(class_map),
-        "limit": LIMIT,
         "maps": [(f"{by}, to {percent(level, 'g')}", map_table(class_map, level, by)) for by in TIMES for level in LEVELS],
         "failing": failing(class_map),
         "cells": cells(class_map),
@@ -160,7 +156,7 @@ def _cell(class_map: Map, scene: ClassScene, level: float, by: str) -> Cell:
     return Cell(winner, text, note, tint=tint)
 
 
-def _why_no_time(trial: Trial) -> str:
+def _why_no_time(trial: Row) -> str:
     """The reason why an engine has no time."""
     if trial.status != REACHED:
         return f"{trial.engine} {trial.status}" + (f" ({size(trial.error)} left)" if trial.error is not None else "")
@@ -182,12 +178,12 @@ def failing(class_map: Map) -> Table:
         for level in LEVELS:
             here = [trial for trial in class_map.trials if (trial.engine, trial.level) == (engine, level)]
             counts = {status.replace(" ", "_"): _count([trial for trial in here if trial.status == status]) for status in STATUSES}
-            silent = [trial for trial in here if trial.status == REACHED and trial.waited_seconds is None]
+            silent = [trial for trial in here if trial.status == REACHED and trial.answer_seconds is None]
             table.add(method=engine, level=level, unclaimed=_count(silent), **counts)
     return table
 
 
-def _count(trials: Sequence[Trial]) -> Cell:
+def _count(trials: Sequence[Row]) -> Cell:
     """A number of scenes; its remark names them and the first reason."""
     reason = next((f": {trial.remark}" for trial in trials if trial.remark), "")
     return Cell(len(trials), note="; ".join(trial.scene for trial in trials) + reason)

@@ -2,11 +2,9 @@
 
 import math
 
-from quickreturn.plugins.methods.classes.grid import grid, name_of
-from quickreturn.plugins.methods.classes.map import Map
-from quickreturn.plugins.methods.classes.measurement import LEVELS, NOT_REACHED, REACHED, REFUSED, SLOW_ANSWER
-from quickreturn.plugins.methods.classes.study import ClassScene
-from quickreturn.plugins.methods.trials.trial import Trial
+from quickreturn.plugins.methods.groups import grid, name_of
+from quickreturn.plugins.methods.map import LEVELS, ClassScene, Map
+from quickreturn.plugins.methods.row import NOT_REACHED, REACHED, REFUSED, TOO_SLOW, Row
 
 SCENES = tuple(groups for groups in grid() if groups.tip == 0.5 and groups.crank == 0.25 and math.isinf(groups.joint))
 BY_SPEED = {groups.speed: groups for groups in SCENES if groups.damping == 0.003}
@@ -31,7 +29,7 @@ def made_up_map() -> Map:
         trials.append(_trial(slow, "fixed-shapes", level, REACHED, 7e-3 * times, 0.1 * times, 2e-4))
         trials.append(_trial(fast, "mujoco", level, REACHED, 4e-2 * times, 0.2 * times, 2e-4))
         trials.append(_trial(fast, "reference", level, REACHED, 8e-2 * times, 0.3 * times, 2e-4))
-        trials.append(_trial(fast, "exudyn", level, REACHED, 2.0 * times, None, 2e-4, SLOW_ANSWER))
+        trials.append(_trial(fast, "exudyn", level, REACHED, 2.0 * times, None, 2e-4, TOO_SLOW))
     return Map(scenes, tuple(trials))
 
 
@@ -44,7 +42,7 @@ def _trial(
     waited: float | None = None,
     error: float | None = None,
     remark: str = "",
-) -> Trial:
+) -> Row:
     known = {"scene": scene, "engine": engine, "level": level, "status": status, "remark": remark}
     errors = {} if error is None else {"tip_deflection": error}
-    return Trial(**known, solve_seconds=solved, answer_seconds=waited, errors=errors)  # type: ignore[arg-type]
+    return Row(**known, solve_seconds=solved, answer_seconds=waited, errors=errors)  # type: ignore[arg-type]

@@ -3,7 +3,9 @@
 from typing import Any
 
 from quickreturn.cases.comparison.engines import CaseResult
-from quickreturn.plugins.methods import data
+from quickreturn.plugins.methods import studies
+from quickreturn.plugins.methods.map import Map
+from quickreturn.plugins.methods.studies import Fronts
 from quickreturn.reports.page.content import Content
 from tests.reports import pages
 from tests.reports.pages import chapter_of, finding_of, plain, read, text_of
@@ -13,14 +15,11 @@ __all__ = ["chapter_of", "finding_of", "of_studies", "one_run", "plain", "read",
 
 def of_studies(**made_up: Any) -> dict[Any, Any]:
     """The data of a content with some results of studies, by name; none of the others."""
-    defaults = {"studies": None, "benchmarks": [], "hard_scenes": None}
-    pairs = {name: (made_up.get(name, default), made_up.get("record")) for name, default in defaults.items()}
     return {
-        data.studies_of: pairs["studies"],
-        data.benchmarks_of: pairs["benchmarks"],
-        data.matrix_of: pairs["hard_scenes"],
-        data.compiling_of: made_up.get("compiling", []),
-        data.map_of: made_up.get("classes", data.Map()),
+        studies.fronts_of: made_up.get("fronts", Fronts()),
+        studies.hard_scenes_of: made_up.get("hard_scenes", Fronts()),
+        studies.compiling_of: made_up.get("compiling", []),
+        studies.map_of: made_up.get("classes", Map()),
     }
 
 

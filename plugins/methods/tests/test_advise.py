@@ -5,7 +5,7 @@ import json
 import pytest
 
 import quickreturn as qr
-from quickreturn.plugins.methods import records
+from quickreturn.plugins.methods import studies
 from quickreturn.plugins.methods.tests.made_up_map import made_up_map
 from tests.quickreturn.conftest import Call
 
@@ -16,7 +16,7 @@ ALONE, WAITED = "solve time", "waiting time"
 
 @pytest.fixture(autouse=True)
 def known(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(records, "class_map", made_up_map)
+    monkeypatch.setattr(studies, "class_map", made_up_map)
 
 
 def test_run_24_lies_near_the_scene_of_its_speed() -> None:

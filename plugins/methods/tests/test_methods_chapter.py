@@ -1,100 +1,102 @@
-"""The chapter that answers the thesis' question says what the numbers say, with their limits."""
+"""The chapter on methods: who is first, by how much, which factor buys what, and what carries over to other scenes."""
 
-import dataclasses
+from dataclasses import replace
 
 import pytest
 
-from quickreturn.plugins.methods.benchmark import Compiling
-from quickreturn.plugins.methods.chapters import methods_tables as tables
-from quickreturn.plugins.methods.chapters.methods import finding, waiting_words
-from quickreturn.plugins.methods.fastest import Fastest, fastest_figure
-from quickreturn.plugins.methods.tests.made_up_benchmark import made_up_benchmark
-from quickreturn.plugins.methods.tests.pages import chapter_of, finding_of, one_run, plain, read, text_of
-from quickreturn.plugins.methods.trials.trial import Trial
-
-EXAMPLE = Fastest("thesis-24", 1e-3, [("a", 4e-3), ("b", 160e-3), ("mujoco", 1.0)])
-
-
-@pytest.mark.parametrize(
-    ("firsts", "soonest", "own", "words"),
-    [
-        ({"a": 4, "b": 1}, {"b": 4, "a": 2}, True, ["own code compiled", "4 of 6 contests (by waiting time, 2); 1 nobody wins"]),
-        ({"a": 6}, {}, False, ["6 of 6 contests; to 0.1 % in run 24 a solves in 4.0 ms (b in 160 ms) and takes 10 ms besides"]),
-        ({}, {}, False, ["No method wins any of 6 contests"]),
-    ],
-)
-def test_the_heading_counts_contests(firsts: dict[str, int], soonest: dict[str, int], own: bool, words: list[str]) -> None:
-    told = plain(finding(6, firsts, soonest, own, EXAMPLE, "10 ms"))
-    assert all(each in told for each in words), told
-    assert "solves in" not in finding(6, firsts, soonest, own, dataclasses.replace(EXAMPLE, solve_times=[]), "")
+from quickreturn.plugins.methods.chapters import methods as tables
+from quickreturn.plugins.methods.chapters.methods import fastest_figure, finding
+from quickreturn.plugins.methods.entrants import entrant, pairs
+from quickreturn.plugins.methods.fronts import DEFLECTION, WORST
+from quickreturn.plugins.methods.row import TIP, Row
+from quickreturn.plugins.methods.studies import CHOSEN
+from quickreturn.plugins.methods.tests.made_up_races import made_up_fronts, made_up_race
+from quickreturn.plugins.methods.tests.pages import finding_of, one_run, plain, read, text_of
 
 
-def test_what_one_waits_for_besides_is_listed() -> None:
-    timed = made_up_benchmark(timed=True).trials[0]
-    told = plain(waiting_words(timed, Compiling("reference", 40.0, 0.5)))
-    assert all(each in told for each in ("10 ms for set-up", "18 ms for the estimate", "40 s for compilation"))
-    assert plain(waiting_words(dataclasses.replace(timed, estimate_seconds=None), None)) == "10 ms for set-up"
+def test_the_heading_has_the_first_and_how_long_the_next_takes() -> None:
+    # 1 %: reference 0.1 n^-4 at 10^(1/4) < 2 unknowns, which its first run has, 2 ms; multiplier n^-3 at 100^(1/3) unknowns
+    told = plain(finding([made_up_race()]))
+    assert told.startswith("reference, this project’s own code compiled for this one mechanism, solves fastest in 3 of 3 contests")
+    assert f"the next takes {1e-2 * 100 ** (1 / 3) / 2e-3:.0f} times as long to 1 % (multiplier)" in told
+    others = plain(finding([made_up_race(engines=("exudyn",))]))
+    assert others == "exudyn solves fastest in 1 of 3 contests; 2 nobody wins"
+    assert "no method" in finding([made_up_race(engines=("thesis",))]).lower()
+    assert finding_of(one_run(fronts=made_up_fronts()), "methods") == told
 
 
-def test_observed_orders_are_those_of_the_power_laws() -> None:
-    rows = {row["method"].value: row["thesis-24"].value for row in tables.orders([made_up_benchmark()]).rows}
-    assert round(float(str(rows["multiplier"])), 6) == 3.0
-    assert round(float(str(rows["exudyn"])), 6) == 2.0
-    assert rows["nodal-load"] is None
+def test_a_level_that_an_acceleration_misses_is_missed_by_the_worst_of_four() -> None:
+    found = made_up_race(acceleration=10.0)
+    (first, *_), (worst, *_) = (tables.fastest([found], by).rows for by in (DEFLECTION, WORST))
+    assert float(str(worst["reference solve_seconds"].value)) > float(str(first["reference solve_seconds"].value))
+    assert (worst["reference solve_seconds"].mark, worst["multiplier solve_seconds"].mark) == ("good", "")
+    assert "right-hand sides" in worst["reference solve_seconds"].note
+    assert worst["thesis solve_seconds"].value is None
 
 
-def test_points_that_failed_are_listed() -> None:
-    (row,) = tables.failures([made_up_benchmark()]).rows
-    assert row["method"].value == "nodal-load"
-    assert "the beam snapped" in str(row["status"].value)
-    everything = tables.trials([made_up_benchmark()])
-    assert len(everything.rows) == len(made_up_benchmark().trials)
+def test_a_pair_of_methods_differs_in_one_factor() -> None:
+    rows = [Row(scene="s", engine=name) for name in ("reference", "fixed-shapes", "multiplier", "stiff-spring", "exudyn")]
+    rows.append(Row(scene="s", engine="multiplier", variant="hermite"))
+    assert list(pairs(rows)) == [
+        ("shapes", "reference", "fixed-shapes"),
+        ("constraint", "fixed-shapes", "multiplier"),
+        ("constraint", "fixed-shapes", "stiff-spring"),
+        ("constraint", "multiplier", "stiff-spring"),
+        ("shapes", "multiplier", "multiplier, hermite"),
+    ]
+    implicit = Row(scene="s", engine="multiplier", variant="hermite, implicit")
+    assert (entrant(implicit).integrator, entrant(implicit).order) == ("Radau IIA", 5)
+    assert list(pairs([rows[-1], implicit])) == [("integrator", "multiplier, hermite", "multiplier, hermite, implicit")]
+    assert entrant(Row(scene="s", engine="exudyn")).order == 2
+    assert "our chain, multiplier and time loop on MuJoCo" in entrant(Row(scene="s", engine="mujoco")).note
 
 
-def test_an_unconfirmed_truth_is_a_warning() -> None:
-    assert "smaller errors say nothing here" not in text_of(one_run(benchmarks=[made_up_benchmark()]))
-    assert "smaller errors say nothing here" in text_of(one_run(benchmarks=[made_up_benchmark(confirmed=False)]))
-    missing = dataclasses.replace(made_up_benchmark(), confirmation=Trial(scene="thesis-24", engine="mujoco", status="no such library"))
-    assert "smaller errors say nothing here" in text_of(one_run(benchmarks=[missing]))
+def test_what_a_factor_buys_is_the_ratio_of_times_and_of_calls() -> None:
+    (row,) = (row for row in tables.factors([made_up_race()]).rows if row["level"].value == 1e-2)
+    assert (row["factor"].value, row["method"].value, row["instead_of"].value) == ("shapes", "multiplier", "multiplier, hermite")
+    unknowns = [100.0 ** (1.0 / 3.0), 3000.0 ** (1.0 / 4.0)]
+    assert row["calls"].value == pytest.approx(unknowns[1] / unknowns[0])
+    assert row["times"].value == pytest.approx(2.0 * unknowns[1] / unknowns[0])
 
 
-def test_scenes_that_were_not_measured_are_named_and_without_any_there_is_no_chapter() -> None:
-    assert "quickreturn benchmark" in text_of(one_run(benchmarks=[made_up_benchmark()]))
+def test_settings_that_were_chosen_in_one_scene_show_what_they_are_worth_in_another() -> None:
+    first, other = made_up_race(), made_up_race("thesis-17")
+    carried = replace(other.given[1], signed=CHOSEN.format("thesis-24"), errors={TIP: 4e-4}, solve_seconds=8e-3)
+    failed = replace(carried, engine="exudyn", status="failed", errors={}, solve_seconds=None)
+    rows = tables.chosen([first, replace(other, rows=(*other.rows, carried, failed))]).rows
+    # its front has 0.1 4^-4 = 3.9e-4 at 4 ms, in place of its 8 ms at 4e-4
+    assert rows[0]["over"].value == pytest.approx(2.0, rel=0.02)
+    assert (rows[1]["error"].text, rows[1]["over"].value) == ("failed", None)
+
+
+def test_signed_lines_the_parts_of_the_time_and_the_waiting_are_in_the_tables() -> None:
+    found = made_up_race()
+    (exudyn,) = (row for row in tables.costs(found).rows if row["method"].value == "exudyn" and row["level"].value == 1e-2)
+    assert exudyn["signed"].value == "a. n. other"
+    assert exudyn["call_seconds"].value == pytest.approx(0.9e-4)
+    (waited, *_) = tables.waiting([found]).rows
+    assert (waited["engine"].value, waited["status"].value, waited["claim"].value, waited["answer_seconds"].value) == (
+        "reference",
+        "reached",
+        7e-3,
+        0.5,
+    )
+    assert len(tables.every_row([found]).rows) == len(found.given)
+    assert tables.scenes([found]).rows[0]["error"].value == 1e-4
+
+
+def test_a_doubtful_solution_is_a_warning_and_without_a_race_there_is_no_chapter() -> None:
+    warning = "smaller errors say nothing here"
+    assert warning not in text_of(one_run(fronts=made_up_fronts()))
+    assert warning in text_of(one_run(fronts=made_up_fronts(made_up_race(confirmed=False))))
+    missing = replace(made_up_race(), confirmation=Row(scene="thesis-24", engine="mujoco", status="no such library"))
+    assert warning in text_of(one_run(fronts=made_up_fronts(missing)))
+    assert "Not measured yet: thesis-17" in text_of(one_run(fronts=made_up_fronts()))
     assert "methods" not in read(one_run()).anchors
 
 
-def test_contests_that_nobody_wins_are_counted() -> None:
-    # the least error of reference is 0.1 / 16^4 = 1.5e-6: it gets everywhere; without it 0.01 % is out of reach of all others
-    assert "solves fastest in 3 of 3 contests" in finding_of(one_run(benchmarks=[made_up_benchmark()]), "methods")
-    table = made_up_benchmark()
-    others = dataclasses.replace(table, trials=tuple(trial for trial in table.trials if trial.method == "exudyn"))
-    told = finding_of(one_run(benchmarks=[others]), "methods")
-    assert told.startswith("exudyn solves fastest in 1 of 3 contests; 2 nobody wins")
-
-
-def test_who_solves_fastest_need_not_be_who_is_done_first() -> None:
-    table = made_up_benchmark(timed=True)
-    slow = [dataclasses.replace(each, estimate_seconds=100.0) if each.engine == "reference" else each for each in table.trials]
-    table = dataclasses.replace(table, trials=tuple(slow))
-    rows = [row for row in tables.waiting([table]).rows if row["level"].value == 1e-2]
-    assert [row["method"].value for row in rows] == ["multiplier", "multiplier, elements", "exudyn", "reference"]
-    # 8 degrees of freedom at 10 ms, its estimate as much, and 10 ms of setting up
-    assert rows[0]["waited_seconds"].value == pytest.approx(0.17)
-    told = "solves fastest in 3 of 3 contests (by waiting time, 1)"
-    assert told in text_of(one_run(benchmarks=[table]))
-
-
-def test_the_chart_offers_what_one_waits_for_where_that_was_measured() -> None:
-    choices = [chapter_of(one_run(benchmarks=[made_up_benchmark(timed=timed)]), "methods").facts["plots"][0][1] for timed in (False, True)]
-    assert [list(each) for each in choices] == [["solve time"], ["solve time", "waiting time"]]
-    series = {each.name: each for each in choices[1]["waiting time"].series}
-    assert "Pareto front" not in series
-    assert list(series["reference"].x) == pytest.approx([0.01 + 10.0 * 1e-3 * free for free in (2, 4, 8, 16)])
-
-
 def test_the_first_screen_has_a_figure_on_the_fastest_and_the_next_engine() -> None:
-    number, meaning = map(plain, fastest_figure(one_run(benchmarks=[made_up_benchmark()])) or ("", ""))
-    assert number == "4.0 ms"  # 0.1 / 4^4, 1 / 16^3 < 0.1 % with 4 and 16 degrees of freedom
-    assert meaning.startswith("to solve run 24 to 0.1 %, after a set-up of")
-    assert meaning.endswith("reference, made for this mechanism; multiplier takes 40 times as long")
+    number, meaning = map(plain, fastest_figure(one_run(fronts=made_up_fronts())) or ("", ""))
+    assert number == "3.2 ms"  # 0.1 n^-4 = 0.1 % at 10^(1/2) unknowns
+    assert meaning.startswith("to solve run 24 to 0.1 % of the tip deflection: reference, made for this mechanism; multiplier takes")
     assert fastest_figure(one_run()) is None

@@ -103,7 +103,6 @@ USES = """
 plugins.studies.sweep.grid.measured_row: cases.files.document cases.files.copies cases.files.units cases.files.reading
     cases.motion.catalogue cases.motion.steady_state plugins.strength.measures plugins.strength.stress,
     not plugins.studies.sweep.study cases.comparison.engines
-plugins.methods.judging.matrix.evidence_of: cases.library.hard plugins.methods.judging.evidence, not cases.comparison.column_differences
 plugins.conform.contract.conform: plugins.conform.quantities plugins.conform.rods, not cases.comparison.engines
 cases.motion.steady_state.steady_state: cases.motion.drifting_fit cases.motion.marching plugins.strength.measures,
     not cases.comparison.engines plugins.strength.words cases.comparison.column_differences plugins.studies.sweep.rows
@@ -111,8 +110,8 @@ cases.motion.orbit.find_orbit: cases.motion.orbit, not cases.comparison.engines
 cases.motion.solving.answer_to: cases.motion.solving, not cases.files.document cases.motion.steady_state plugins.strength.measures
 plugins.studies.resonance_curve.search.resonance_curve: cases.files.copies cases.files.reading plugins.strength.peak,
     not cases.comparison.engines
-plugins.methods.benchmark.measurement.pinned: plugins.methods.trials.truth plugins.methods.trials.methods, not cases.comparison.engines
-plugins.methods.classes.measurement.measured: plugins.methods.classes.groups plugins.methods.trials.truth, not cases.comparison.engines
+plugins.methods.race.raced: plugins.methods.search plugins.methods.asked plugins.methods.truth, not plugins.methods.studies
+plugins.methods.truth.truth_of: plugins.methods.truth plugins.methods.row, not plugins.methods.search cases.comparison.engines
 plugins.thesis.finding.response.respond: cases.motion.half_cycle cases.motion.marching, not cases.comparison.engines
 plugins.thesis.modes.thesis_modes: plugins.thesis.modes, not cases.comparison.engines
 """.strip().replace("\n    ", " ")

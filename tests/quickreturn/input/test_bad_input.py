@@ -131,7 +131,7 @@ NUMBERS = {
     "--accuracy": (SIMULATE, ("0", "1", "-1e-3", "0.06", "1e-5", "0.0501", "9.9e-5")),
     "--crank-angle": (MODES, ("1e7", "north", "90 deg", "pi", "0:360", "0:360:0", "0:360:-10", "0:1:2:3", "0:360:1e-9", "0::10")),
     "--count": (MODES, ("0", "-1", "2.5", "101", "1e1", "1000000000")),
-    "--repetitions": ("benchmark small.toml --engine fake", ("0", "-2", "1.5", "101")),
+    "--runs": ("benchmark small.toml --engine fake", ("0", "-2", "1.5", "1001")),
     "--time-limit": (SIMULATE, ("0", "-1 s", "1 m", "1 kg")),
     "--memory-limit": (SIMULATE, ("0", "-1", "1e9", "4 GiB")),
     "--magnify": ("animate small.toml --engine fake --output out.webp", ("0", "-1", "1e9")),

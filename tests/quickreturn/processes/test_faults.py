@@ -13,8 +13,10 @@ import pytest
 from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.running.job import Limits
 from quickreturn.cases.running.processes import LocalProcesses
-from quickreturn.plugins.methods.benchmark.scenes import unsafe_engines
-from quickreturn.plugins.methods.tests.made_up_benchmark import made_up_benchmark
+from quickreturn.cases.running.store import Store
+from quickreturn.cases.running.workshop import Workshop
+from quickreturn.plugins.methods.race import Contest, race
+from quickreturn.plugins.methods.tests.made_up_races import made_up_race
 from tests.engines import faulty_engines
 from tests.engines.faulty_engines import SIGNAL
 from tests.quickreturn.conftest import Call
@@ -154,20 +156,23 @@ def test_a_simulation_that_is_stopped_at_its_limits_leaves_no_file(place: Path, 
         assert not (place / "out.csv").exists()
 
 
-def test_a_benchmark_leaves_out_what_would_take_the_others_with_it(place: Path, call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
-    names = ("sound", "raises", "segfaults", "not-installed")  # what raises says so itself, and stays in the table
-    found = unsafe_engines(load_case(str(place / "small.toml")), LocalProcesses(limits=Limits(seconds=300.0)), names)
-    assert found == {
+def test_a_benchmark_leaves_out_what_dies(place: Path, call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
+    case, names = load_case(str(place / "small.toml")), ("sound", "raises", "segfaults", "not-installed")
+    workshop = Workshop(Store(), LocalProcesses(1, limits=Limits(seconds=300.0)))
+    found = race(case, Contest(names, (1e-2,), runs=0), workshop)
+    assert found is not None
+    assert found.failures == {
         "segfaults": "killed by SIGSEGV",
         "not-installed": "it cannot be loaded (ModuleNotFoundError: No module named 'no_such_library')",
     }
+    assert {row.engine for row in found.rows} == {"sound", "raises"}  # what raises says so itself, and stays in the table
     monkeypatch.setattr(
-        "quickreturn.plugins.methods.benchmark.measure", lambda *_, **__: dataclasses.replace(made_up_benchmark("small"), failures=found)
+        "quickreturn.plugins.methods.race.race", lambda *_: dataclasses.replace(made_up_race("small"), failures=found.failures)
     )
     code, output, errors = call("benchmark", "small.toml", "--json")
     assert code == 3
-    assert json.loads(output)["benchmarks"][0]["failures"] == found
-    assert errors.splitlines() == [f"quickreturn: small: engine {name} was left out: {reason}" for name, reason in found.items()]
+    assert json.loads(output)["benchmarks"][0]["failures"] == found.failures
+    assert errors.splitlines() == [f"quickreturn: small: engine {name} was left out: {why}" for name, why in found.failures.items()]
     assert call("benchmark", "small.toml", "--engine", "not-installed").code == 2
 
 

@@ -15,51 +15,44 @@ from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import engine
+from quickreturn.engines.relative import relative_error
 from quickreturn.engines.settings import as_texts
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.plugins.conform.contract import Check, Conformance, job
 from quickreturn.plugins.conform.records import ConformanceRow, verdicts
-from quickreturn.plugins.methods import records
-from quickreturn.plugins.methods.accuracy import confirming
-from quickreturn.plugins.methods.benchmark import Benchmark
-from quickreturn.plugins.methods.classes.grid import CENTRE, case_of
-from quickreturn.plugins.methods.classes.map import Map
-from quickreturn.plugins.methods.classes.measurement import LEVELS, measured
-from quickreturn.plugins.methods.judging.matrix import Judged
-from quickreturn.plugins.methods.tests.made_up_benchmark import made_up_benchmark
+from quickreturn.plugins.methods import studies as of_methods
+from quickreturn.plugins.methods.map import Map
+from quickreturn.plugins.methods.race import Race
+from quickreturn.plugins.methods.row import Row
+from quickreturn.plugins.methods.studies import Fronts, recorded
 from quickreturn.plugins.methods.tests.made_up_map import made_up_map
-from quickreturn.plugins.methods.tests.made_up_matrix import made_up_matrix
+from quickreturn.plugins.methods.tests.made_up_races import made_up_race
 from quickreturn.plugins.methods.tests.pages import one_run
-from quickreturn.plugins.methods.trials.trial import Trial
-from quickreturn.plugins.methods.trials.truth import confirms, truth_of
+from quickreturn.plugins.methods.truth import TRUTH
 from quickreturn.record import main
 from quickreturn.reports import long_studies
 from quickreturn.reports.long_studies import About, table, text_of
 from quickreturn.reports.page.content import Content
 from tests.reports import pages
 
-#: Bytes of all recorded tables together; a scene of the benchmark takes forty thousand.
+#: Bytes of all recorded tables together; a scene of the race takes some twenty thousand.
 MOST = 200_000
-#: Cells that are computed anew: scene, engine, and which of its recorded settings, counted from the coarsest.
+#: Cells that are computed anew: scene, engine, and which of its recorded settings, counted from the quickest.
 CELLS = [("thesis-24", "reference", 0), ("thesis-24", "thesis", 0), ("thesis-24", "mujoco", 0)]
 
 
 def test_what_is_written_is_read_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(long_studies, "FOLDER", tmp_path)
-    measured, found = made_up_benchmark(), made_up_matrix(wrong=True)
-    (tmp_path / "trials.csv").write_text(text_of(measured.trials))
-    (tmp_path / "scenes.csv").write_text(text_of([dataclasses.replace(measured, trials=())]))
-    (tmp_path / "cells.csv").write_text(text_of(found.cells.values()))
-    for read, written in zip(table("trials", Trial), measured.trials, strict=True):
+    measured = made_up_race()
+    (tmp_path / "rows.csv").write_text(text_of(measured.rows))
+    (tmp_path / "scenes.csv").write_text(text_of([dataclasses.replace(measured, rows=())]))
+    for read, written in zip(table("rows", Row), measured.rows, strict=True):
         for name, value in vars(written).items():  # four digits of numbers
             known = getattr(read, name)
-            assert known == (pytest.approx(value, rel=5e-4) if name in ("errors", "statistics") or isinstance(value, float) else value), (
-                name
-            )
-    assert table("scenes", Benchmark) == [dataclasses.replace(measured, trials=())]
-    assert table("cells", Judged) == list(found.cells.values())
-    assert table("nothing", Judged) == []
+            assert known == (pytest.approx(value, rel=5e-4) if name == "errors" or isinstance(value, float) else value), name
+    assert table("scenes", Race) == [dataclasses.replace(measured, rows=())]
+    assert table("nothing", Row) == []
 
 
 def test_a_record_says_what_is_known_of_its_commits() -> None:
@@ -70,10 +63,10 @@ def test_a_record_says_what_is_known_of_its_commits() -> None:
 
 def test_a_recorded_result_is_labelled_as_such() -> None:
     about = About("benchmark", "2001-02-03", "numpy 1", "abc1234", "def5678")
-    told = pages.text_of(one_run(benchmarks=[made_up_benchmark()], record=about))
+    told = pages.text_of(one_run(fronts=Fronts([made_up_race()], about)))
     at = "2001-02-03 at commit abc1234; cells of it were last confirmed at commit def5678"
     assert f"Recorded: measured with numpy 1 on {at}." in told
-    assert "Recorded" not in pages.text_of(one_run(benchmarks=[made_up_benchmark()]))
+    assert "Recorded" not in pages.text_of(one_run(fronts=Fronts([made_up_race()])))
 
 
 def test_conformance_of_record_stands_where_ones_own_is_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -101,9 +94,9 @@ def test_the_map_of_classes_is_read_back(tmp_path: Path, monkeypatch: pytest.Mon
     known = made_up_map()
     (tmp_path / "classes.csv").write_text(text_of(known.trials))
     (tmp_path / "classes_scenes.csv").write_text(text_of(known.scenes))
-    assert records.class_map() == known  # a rigid joint is infinite, and what is not there stays None
+    assert of_methods.class_map() == known  # a rigid joint is infinite, and what is not there stays None
     monkeypatch.setattr(long_studies, "FOLDER", tmp_path / "nothing")
-    assert records.class_map() == Map()
+    assert of_methods.class_map() == Map()
 
 
 def test_an_unknown_study_or_option_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
@@ -118,7 +111,7 @@ def test_one_study_alone_is_written_and_the_others_stay(tmp_path: Path, monkeypa
     for module in (long_studies, recording):
         monkeypatch.setattr(module, "FOLDER", tmp_path)
     monkeypatch.setenv("QUICKRETURN_STORE", str(tmp_path / "store"))
-    monkeypatch.setattr(records, "study", lambda workshop: (list(made_up_map().scenes), list(made_up_map().trials)))
+    monkeypatch.setattr(of_methods, "classes", lambda workshop: made_up_map())
     (tmp_path / "about.csv").write_text(text_of([About("finding", "2001-02-03", "numpy 1", "abc1234", "def5678")]))
     long_studies.about.cache_clear()
     assert main(["--stored", "classes"]) == 0
@@ -132,7 +125,7 @@ def test_one_study_alone_is_written_and_the_others_stay(tmp_path: Path, monkeypa
     assert long_studies.about("classes") == written["classes"]
     long_studies.about.cache_clear()
     assert {path.name for path in tmp_path.glob("*.csv")} == {"about.csv", "classes.csv", "classes_scenes.csv"}
-    assert records.class_map() == made_up_map()
+    assert of_methods.class_map() == made_up_map()
 
 
 def test_the_recorded_tables_are_small_and_say_how_they_were_made() -> None:
@@ -142,19 +135,7 @@ def test_the_recorded_tables_are_small_and_say_how_they_were_made() -> None:
     made = [long_studies.about(study) for study in long_studies.studies()]
     assert any(made)
     assert all(each.date and each.versions and each.commit for each in made if each)
-    assert bool(records.benchmarks()) == (long_studies.about("benchmark") is not None)
-
-
-@pytest.mark.verify
-def test_two_packages_confirm_the_converged_solution() -> None:
-    """Kept where the report finds it."""
-    found = confirming(Workshop(Store()))
-    assert {run.engine for run in found} == {"exudyn", "mujoco"}
-    assert all(confirms(run) for run in found)
-
-
-def test_who_has_no_confirming_solutions_sees_those_of_record() -> None:
-    assert {run.engine for run in records.confirming()} == {"exudyn", "mujoco"}
+    assert bool(recorded("benchmark")) == (long_studies.about("benchmark") is not None)
 
 
 @cache
@@ -167,24 +148,9 @@ def solved(case: str, name: str, settings: str) -> Trajectory:
 
 @pytest.mark.parametrize(("case", "name", "rank"), CELLS)
 def test_a_recorded_cell_comes_out_again(case: str, name: str, rank: int) -> None:
-    found = records.benchmarks().get(case)
-    if found is None:
-        pytest.fail(f"{case} is not recorded")
-    done = [trial for trial in found.trials if trial.method == name and trial.completed]
-    trial = sorted(done, key=lambda each: each.degrees_of_freedom or 0)[rank]
-    truth = solved(case, found.truth.engine, json.dumps(found.truth.settings))
-    again = solved(case, name, json.dumps(trial.settings))
-    difference = ((again["tip_deflection"] - truth["tip_deflection"]) ** 2).mean() ** 0.5
+    (found,) = (each for each in recorded("benchmark") if each.case == case)
+    rows = sorted((row for row in found.given if row.method == name and row.completed), key=lambda each: each.seconds)
+    truth = solved(case, TRUTH[0], json.dumps(TRUTH[1]))
+    again = solved(case, name, json.dumps(rows[rank].settings))
     # recorded with four digits; the rest is what another machine's rounding may do to adaptive steps
-    assert difference / found.truth.sizes["tip_deflection"] == pytest.approx(trial.error, rel=1e-3)
-
-
-@pytest.mark.verify
-@pytest.mark.parametrize("name", ["thesis"])
-def test_a_recorded_error_of_the_map_comes_out_again(name: str) -> None:
-    known = records.class_map()
-    scene = next(scene for scene in known.scenes if scene.groups == CENTRE)
-    (recorded,) = (trial for trial in known.at(scene, LEVELS[0]) if trial.engine == name)
-    (again, _) = measured(CENTRE, name, truth_of(case_of(CENTRE)))
-    # four digits, and what another machine's rounding may do to adaptive steps
-    assert (again.status, again.error) == (recorded.status, pytest.approx(recorded.error, rel=1e-3))
+    assert relative_error(again["tip_deflection"], truth["tip_deflection"]) == pytest.approx(rows[rank].error, rel=1e-3)

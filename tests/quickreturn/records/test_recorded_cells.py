@@ -13,8 +13,6 @@ from typing import Any, Final
 import pytest
 
 from quickreturn.cases.files.case_file import load_case
-from quickreturn.cases.library import catalogue
-from quickreturn.cases.library.hard import TAG
 from quickreturn.cases.library.thesis.runs import RUNS, run_case
 from quickreturn.cases.motion.orbit import orbits
 from quickreturn.cases.running.processes import LocalProcesses
@@ -26,14 +24,11 @@ from quickreturn.engines.settings import as_texts
 from quickreturn.plugins.as_built.constructions import built, constructions
 from quickreturn.plugins.conform.contract import conform
 from quickreturn.plugins.conform.records import ConformanceRow
-from quickreturn.plugins.methods import records
-from quickreturn.plugins.methods.accuracy import ACCURACY_CASE
-from quickreturn.plugins.methods.benchmark.measurement import Benchmark
-from quickreturn.plugins.methods.classes.grid import case_of
-from quickreturn.plugins.methods.classes.measurement import measured
-from quickreturn.plugins.methods.judging.matrix import judge_scenes
-from quickreturn.plugins.methods.trials.trial import Trial, errors_of, run_of
-from quickreturn.plugins.methods.trials.truth import confirmation_of, confirms, truth_of
+from quickreturn.plugins.methods import studies as of_methods
+from quickreturn.plugins.methods.asked import asked
+from quickreturn.plugins.methods.groups import case_of
+from quickreturn.plugins.methods.row import Row, errors_of
+from quickreturn.plugins.methods.truth import run_of, truth_of
 from quickreturn.plugins.thesis import records as of_the_thesis
 from quickreturn.plugins.thesis.finding import study as finding
 from quickreturn.plugins.thesis.finding.effects import PUBLISHED, effects
@@ -49,6 +44,8 @@ from tests.slices import slice_of
 CELLS: Final = 2
 #: Solve time (s) of the slowest cell that is computed anew.
 SLOWEST: Final = 2.0
+#: Duration (s) of the longest hard scene that is computed anew.
+LONGEST: Final = 10.0
 #: Relative difference of an error that is computed anew: four digits are recorded, and rounding of another machine changes adaptive steps.
 SAME: Final = 1e-2
 #: Factor within which the ratio of two solve times is the recorded one, and repetitions of both, in turn, of which the least counts.
@@ -61,15 +58,18 @@ Draw = Callable[[Sequence[Any]], list[Any]]
 
 
 def benchmark(draw: Draw, workshop: Workshop) -> None:
-    """The error of a point, and its solve time over that of the first point of its scene."""
-    cells = [(scene, trial) for scene in records.benchmarks().values() for trial in scene.trials if trial.completed]
-    for scene, recorded in draw([cell for cell in cells if cell[1].seconds < SLOWEST]):
-        case, cell = load_case(scene.case), (scene.case, recorded.method, recorded.settings)
-        fixed, run = next(trial for trial in scene.trials if trial.completed), runner(scene, recorded)
-        right, other = truth_of(case), runner(scene, fixed)
-        error = errors_of(run().trajectory, right)["tip_deflection"]
-        unknown = scene.confirmation.error or 0.0
-        assert error == pytest.approx(recorded.error, rel=SAME, abs=unknown), cell
+    """The error and the right-hand sides of a row, and its solve time over that of the first row of its scene."""
+    races = of_methods.recorded("benchmark")
+    cells = [(found, row) for found in races for row in found.given if row.completed and row.seconds < SLOWEST]
+    for found, recorded in draw(cells):
+        run, cell = runner(recorded), (recorded.scene, recorded.method, recorded.settings)
+        fixed = next(row for row in found.given if row.completed)
+        other, right = runner(fixed), truth_of(load_case(found.case))
+        trajectory = run().trajectory
+        error = errors_of(trajectory, right.trajectory)["tip_deflection"]
+        assert error == pytest.approx(recorded.error, rel=SAME, abs=right.uncertainty), cell
+        if "right_hand_side_calls" in trajectory.statistics:
+            assert trajectory.statistics["right_hand_side_calls"] == pytest.approx(recorded.calls, rel=SAME), cell
         other()  # what is compiled is compiled now
         ratio = recorded.seconds / fixed.seconds
         assert any(1.0 / PACE < pace(run, other) / ratio < PACE for _ in range(TRIALS)), cell
@@ -81,34 +81,23 @@ def pace(run: Callable[[], CompletedRun], other: Callable[[], CompletedRun]) -> 
     return min(first for first, _ in pairs) / min(second for _, second in pairs)
 
 
-def runner(scene: Benchmark, trial: Trial) -> Callable[[], CompletedRun]:
-    """Runs a trial of a benchmark."""
-    case, chosen = load_case(scene.case), engine(trial.engine)
-    settings = chosen.settings_for(1e-4, case.mechanism).with_texts(as_texts(trial.settings))
+def runner(row: Row) -> Callable[[], CompletedRun]:
+    """Runs a row with given settings."""
+    case, chosen = load_case(row.scene), engine(row.engine)
+    settings = chosen.settings_for(1e-4, case.mechanism).with_texts(as_texts(row.settings))
     return lambda: run_of(chosen, case, settings)
 
 
 def hard_scenes(draw: Draw, workshop: Workshop) -> None:
-    """The verdict on an engine in a scene, before the comparison with other engines, and whether its claim holds."""
-    cases = {entry.name: load_case(entry.name) for entry in catalogue(TAG)}
-    known = records.matrix(cases.values())
-    for scene, name in draw(sorted(known.cells)):
-        cell, again = known.cells[scene, name], judge_scenes([cases[scene]], workshop, (name,)).cells[scene, name]
-        if cell.verdict.claimed_error is None or again.verdict.claimed_error is None:
-            assert again.verdict.claimed_error == cell.verdict.claimed_error, (scene, name)
-            continue
-        assert (again.verdict.kind, again.holds) == (cell.verdict.kind, cell.holds), (scene, name)
-        assert again.verdict.claimed_error == pytest.approx(cell.verdict.claimed_error, rel=0.5), (scene, name)
-
-
-def confirmation(draw: Draw, workshop: Workshop) -> None:
-    """The distance of a second solution."""
-    case = load_case(ACCURACY_CASE)
-    right = truth_of(case)
-    for recorded in draw(records.confirming()):
-        again = confirmation_of(case, right, recorded.engine)
-        assert confirms(again)
-        assert again.error == pytest.approx(recorded.error, rel=0.1), recorded.engine
+    """What comes of an engine that is asked for an error in a scene."""
+    for found in draw([each for each in of_methods.recorded("hard_scenes") if each.duration < LONGEST]):
+        case = load_case(found.case)
+        truth = truth_of(case)
+        for recorded in found.rows:
+            again = asked(engine(recorded.engine), case, of_methods.REQUESTED, truth)
+            assert again.status == recorded.status, recorded
+            if recorded.claim is not None:
+                assert again.claim == pytest.approx(recorded.claim, rel=0.5), recorded
 
 
 def conformance(draw: Draw, workshop: Workshop) -> None:
@@ -124,15 +113,15 @@ def conformance(draw: Draw, workshop: Workshop) -> None:
 
 
 def classes(draw: Draw, workshop: Workshop) -> None:
-    """The status of a method in a class, and its error, where neither is the clock's: a limit ends an answer earlier on another machine."""
-    known = records.class_map()
+    """The error of the first run below a level in a class; a record without settings is read alone."""
+    known = of_methods.class_map()
     scenes = {scene.name: scene for scene in known.scenes}
-    for recorded in draw([each for each in known.trials if each.solve_seconds is not None and each.solve_seconds < SLOWEST / 10.0]):
-        groups = scenes[recorded.scene].groups
-        (again,) = (each for each in measured(groups, recorded.engine, truth_of(case_of(groups))) if each.level == recorded.level)
-        assert again.status == recorded.status, recorded
-        if again.error is not None and recorded.error is not None:
-            assert again.error == pytest.approx(recorded.error, rel=SAME, abs=scenes[recorded.scene].difference or 0.0), recorded
+    for recorded in draw([each for each in known.trials if each.solve_seconds is not None and each.settings] or known.trials):
+        if recorded.settings:
+            case, chosen = case_of(scenes[recorded.scene].groups), engine(recorded.engine)
+            settings = chosen.settings_for(1e-4, case.mechanism).with_texts(as_texts(recorded.settings))
+            error = errors_of(run_of(chosen, case, settings).trajectory, truth_of(case).trajectory)["tip_deflection"]
+            assert error == pytest.approx(recorded.error, rel=SAME, abs=scenes[recorded.scene].difference or 0.0), recorded
 
 
 def as_built(draw: Draw, workshop: Workshop) -> None:
@@ -209,7 +198,6 @@ def other_starts(draw: Draw, workshop: Workshop) -> None:
 AGAIN: Final[dict[str, Callable[[Draw, Workshop], None]]] = {
     "benchmark": benchmark,
     "hard scenes": hard_scenes,
-    "confirmation": confirmation,
     "conformance": conformance,
     "classes": classes,
     "as built": as_built,

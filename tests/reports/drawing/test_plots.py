@@ -15,9 +15,9 @@ from PIL import Image
 
 from quickreturn.cases.comparison.engines import CaseResult
 from quickreturn.engines.registry import MAIN
-from quickreturn.plugins.methods import work_precision
+from quickreturn.plugins.methods import drawing as of_methods
 from quickreturn.plugins.methods.rivals import RIVALS
-from quickreturn.plugins.methods.tests.made_up_benchmark import made_up_benchmark
+from quickreturn.plugins.methods.tests.made_up_races import made_up_race
 from quickreturn.plugins.thesis.experiment.published import printed_ranges
 from quickreturn.reports.drawing import cycle
 from quickreturn.reports.line_styles import looks
@@ -28,7 +28,7 @@ LARGEST = 100_000
 #: What draws the documents' pictures.
 PROGRAM = runpy.run_path(str(Path(__file__).parents[3] / "docs/pictures/draw.py"))
 
-#: Methods of which the made-up benchmark has no mark.
+#: Methods of which the made-up race has no mark.
 NOT_DRAWN = ("nodal-load", "moving-boundaries", "mujoco", "fixed-shapes", "stiff-spring")
 
 TROUBLES = {
@@ -130,14 +130,14 @@ def test_a_single_engine_has_pictures_of_its_own_but_no_comparison() -> None:
 @pytest.fixture(scope="module")
 def benchmark() -> tuple[Figure, bytes]:
     """A figure of methods and its file, which takes seconds to write."""
-    figure = work_precision.draw(made_up_benchmark())
+    figure = of_methods.draw(made_up_race())
     return figure, _check(figure)
 
 
 def test_methods_that_completed_nothing_have_no_mark(benchmark: tuple[Figure, bytes]) -> None:
     figure, _ = benchmark
     assert "nodal-load" not in _texts(figure)
-    assert {"reference", "multiplier, elements"} <= set(_texts(figure))
+    assert {"reference", "multiplier, hermite"} <= set(_texts(figure))
 
 
 def test_the_file_keeps_the_colours_of_its_lines(benchmark: tuple[Figure, bytes]) -> None:

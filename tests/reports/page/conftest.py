@@ -8,9 +8,8 @@ from contextlib import ExitStack
 import pytest
 from playwright.sync_api import Page, sync_playwright
 
-from quickreturn.plugins.methods.tests.made_up_benchmark import made_up_benchmark
 from quickreturn.plugins.methods.tests.made_up_map import made_up_map
-from quickreturn.plugins.methods.tests.made_up_studies import made_up_studies
+from quickreturn.plugins.methods.tests.made_up_races import made_up_fronts, made_up_race
 from quickreturn.plugins.methods.tests.pages import of_studies
 from quickreturn.plugins.thesis.page_data import finding_of
 from quickreturn.plugins.thesis.tests.made_up_finding import made_up_finding
@@ -27,11 +26,11 @@ CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", 
 def address(tmp_path_factory: pytest.TempPathFactory) -> str:
     """A report on three made-up runs, in one of which an engine failed."""
     folder = tmp_path_factory.mktemp("page")
-    benchmarks = [made_up_benchmark(timed=True), made_up_benchmark("thesis-17")]
+    fronts = made_up_fronts(made_up_race(), made_up_race("thesis-17"))
     write(
         content_of(
             results=RESULTS,
-            data=of_studies(studies=made_up_studies(), benchmarks=benchmarks, classes=made_up_map()) | {finding_of: made_up_finding()},
+            data=of_studies(fronts=fronts, classes=made_up_map()) | {finding_of: made_up_finding()},
             facts=machine_facts(),
         ),
         folder,

@@ -1,22 +1,24 @@
-"""The map of classes: the winners by each time, and the place of a machine on the map."""
+"""The map of classes: what each engine needs in each scene, the winners by each time, and the place of a machine on the map."""
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Final
 
 from quickreturn.cases.library import library_case
-from quickreturn.plugins.methods.classes.groups import Groups
-from quickreturn.plugins.methods.classes.measurement import FAILED, NOT_REACHED, REACHED, REFUSED, TOO_SLOW
-from quickreturn.plugins.methods.classes.study import ClassScene
-from quickreturn.plugins.methods.trials.trial import Trial
+from quickreturn.plugins.methods.fronts import DEFLECTION, standings
+from quickreturn.plugins.methods.groups import Groups
+from quickreturn.plugins.methods.race import SLOW, Race
+from quickreturn.plugins.methods.row import FAILED, NOT_REACHED, REACHED, REFUSED, TIP, TOO_SLOW, Row
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.scene_values import NAMED, values_of
 
-#: Name of a compared time -> the attribute of `Trial` with it.
-TIMES: Final[Mapping[str, str]] = MappingProxyType({"solve time": "solve_seconds", "waiting time": "waited_seconds"})
-#: Values of a trial's status.
+#: Errors of the tip deflection at which the map compares engines.
+LEVELS: Final = (1e-2, 1e-3)
+#: Name of a compared time -> the attribute of a row with it.
+TIMES: Final[Mapping[str, str]] = MappingProxyType({"solve time": "solve_seconds", "waiting time": "answer_seconds"})
+#: Values of a row's status.
 STATUSES: Final = (REACHED, NOT_REACHED, TOO_SLOW, FAILED, REFUSED)
 #: Group -> place of a value on an axis whose unit is about a row or a column of the map. Tip and damping may be zero; a joint that is ten
 #: times as stiff as the stiffest of the map counts as rigid.
@@ -38,13 +40,24 @@ _SIMILAR: Final = 0.05
 
 
 @dataclass(frozen=True)
+class ClassScene:
+    """A scene of the map."""
+
+    name: str  # see `groups.name_of`
+    groups: Groups
+    # difference of the confirming solution's tip deflection from the one that defines errors; None if there is none
+    difference: float | None = None
+    failure: str = ""  # why there is no solution; "" if there is one
+
+
+@dataclass(frozen=True)
 class Map:
-    """Scenes, and the result of each method on each of them; both may be empty."""
+    """Scenes, and the result of each engine on each of them; both may be empty."""
 
     scenes: tuple[ClassScene, ...] = ()
-    trials: tuple[Trial, ...] = ()
+    trials: tuple[Row, ...] = ()
 
-    def at(self, scene: ClassScene, level: float) -> list[Trial]:
+    def at(self, scene: ClassScene, level: float) -> list[Row]:
         """The results of all methods on a scene, in the engines' order."""
         return [trial for trial in self.trials if (trial.scene, trial.level) == (scene.name, level)]
 
@@ -87,3 +100,27 @@ def off_the_map(mechanism: Mechanism) -> list[str]:
     if abs(reach / usual - 1.0) > _SIMILAR:
         sentences.append(f"follower.length over mechanism.pivot_distance is {reach:.3g}, on the map it is {usual:.3g}")
     return sentences
+
+
+def condensed(found: Race) -> list[Row]:
+    """For each engine and level of the map a row: the time of its fastest combination at the level, and that of its own answer."""
+    engines = dict.fromkeys(row.engine for row in found.rows)
+    return [_condensed(found.case, [row for row in found.rows if row.engine == name], level) for name in engines for level in LEVELS]
+
+
+def _condensed(scene: str, rows: Sequence[Row], level: float) -> Row:
+    """The row of an engine at a level, from its rows in a scene."""
+    given = [row for row in rows if row.level is None]
+    answer = next((row for row in rows if row.level == level), Row(scene=scene, engine=rows[0].engine))
+    waited = answer.answer_seconds if answer.status == REACHED else None
+    row = Row(scene=scene, engine=answer.engine, level=level, claim=answer.claim, answer_seconds=waited)
+    for first in standings(given, level, DEFLECTION).values():
+        why = answer.remark or answer.status if waited is None else ""
+        row = replace(row, status=REACHED, remark=why, solve_seconds=first.seconds, errors={TIP: first.row.error}, calls=first.calls)
+        return replace(row, variant=first.row.variant, settings=first.row.settings)
+    if answer.status == REFUSED or not given:
+        return replace(row, status=answer.status, remark=answer.remark)
+    least = min((error for each in given if (error := each.error) is not None), default=None)
+    slow = any(each.status == SLOW for each in given)
+    status = TOO_SLOW if slow else FAILED if least is None else NOT_REACHED
+    return replace(row, status=status, remark=answer.remark, errors={} if least is None else {TIP: least})

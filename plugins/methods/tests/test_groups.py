@@ -12,9 +12,8 @@ from quickreturn.cases.library.thesis.runs import run_case
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import engine
 from quickreturn.engines.start import standard_start
-from quickreturn.plugins.methods.classes.grid import ROWS, TURNS, case_of, grid, name_of
-from quickreturn.plugins.methods.classes.groups import Groups, groups_of, scene_of
-from quickreturn.plugins.methods.classes.map import distance, off_the_map
+from quickreturn.plugins.methods.groups import ROWS, TURNS, Groups, case_of, grid, groups_of, name_of, scene_of
+from quickreturn.plugins.methods.map import distance, off_the_map
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.scene_values import changed
 

@@ -1,1 +1,0 @@
-"""Judges engines in hard scenes: evidence of an engine in a scene, verdicts, and the matrix of engines and scenes."""

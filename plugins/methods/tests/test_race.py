@@ -1,0 +1,178 @@
+"""The race on a short stretch of run 24: rows with errors, counts and times; who dies loses its own rows alone."""
+
+import os
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.running.job import Limits
+from quickreturn.cases.running.processes import LocalProcesses
+from quickreturn.cases.running.store import Store
+from quickreturn.cases.running.workshop import Workshop
+from quickreturn.engines.base import EngineFailure
+from quickreturn.engines.error_parts import ESTIMATED
+from quickreturn.engines.registry import UnknownEngine, engine
+from quickreturn.plugins.methods import race as module
+from quickreturn.plugins.methods import truth
+from quickreturn.plugins.methods.compiling import compiling
+from quickreturn.plugins.methods.fronts import DEFLECTION, standings
+from quickreturn.plugins.methods.groups import CENTRE
+from quickreturn.plugins.methods.race import Contest, Race, race, tried
+from quickreturn.plugins.methods.row import LEVELS, REACHED, Row
+from quickreturn.plugins.methods.signed import Line
+from quickreturn.plugins.methods.studies import CHOSEN, SCENES, chosen_in, classes, recorded_rows
+from quickreturn.plugins.methods.truth import Truth
+from tests.engines.fake_engine import FakeEngine, FakeSettings
+
+
+def short(name: str = "thesis-24") -> Case:
+    return replace(load_case(name), duration=0.05)
+
+
+#: A line that somebody signs, beside the search.
+LINE = Line("reference", "a. n. other", {"modes": 3, "tolerance": 1e-8})
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory: pytest.TempPathFactory) -> tuple[Race, Workshop]:
+    workshop = Workshop(Store(tmp_path_factory.mktemp("race")), LocalProcesses(1))
+    made = race(short(), Contest(("reference", "thesis"), runs=8, lines=(LINE,)), workshop)
+    assert made is not None
+    return made, workshop
+
+
+def test_every_row_has_its_errors_counts_and_times(found: tuple[Race, Workshop]) -> None:
+    made, _ = found
+    assert {row.method for row in made.given} == {"reference", "thesis", "thesis, exact"}
+    for row in made.given:
+        assert row.status == "completed", row.settings
+        assert set(row.errors) == set(ESTIMATED)
+        assert row.calls is not None
+        assert row.call_seconds is not None
+        assert row.rows_seconds is not None
+        assert row.seconds == pytest.approx(row.calls * row.call_seconds + row.rows_seconds)
+    for method in ("reference", "thesis"):
+        assert len([row for row in made.given if row.method == method and not row.signed]) == 8
+    (signed,) = (row for row in made.given if row.signed)
+    assert (signed.signed, signed.settings["modes"], signed.settings["tolerance"]) == ("a. n. other", 3, 1e-8)
+
+
+def test_errors_are_against_a_solution_that_another_engine_confirms(found: tuple[Race, Workshop]) -> None:
+    made, _ = found
+    assert made.until == pytest.approx(0.05)
+    assert made.confirmation.engine == "mujoco"
+    assert 0.0 < (made.confirmation.error or 0.0) < 1e-4
+    assert standings(made.given, 1e-3, DEFLECTION)["reference"].row.error < 1e-3  # type: ignore[operator]
+    assert all((row.error or 0.0) > 0.05 for row in made.given if row.settings.get("elements") == 1)  # one cubic
+
+
+def test_engines_also_answer_as_a_user_asks(found: tuple[Race, Workshop]) -> None:
+    answers = [row for row in found[0].rows if row.level is not None and row.engine == "reference"]
+    assert [row.level for row in answers] == list(LEVELS)  # the default accuracy is one of them
+    for row in answers:
+        assert row.status == REACHED
+        assert (row.error or 1.0) <= (row.claim or 0.0) + (found[0].confirmation.error or 0.0)
+        assert (row.answer_seconds or 0.0) > (row.solve_seconds or 0.0) > 0.0
+
+
+def test_what_is_stored_is_not_computed_again(found: tuple[Race, Workshop]) -> None:
+    made, workshop = found
+    affinity = os.sched_getaffinity(0)
+    same = Contest(("reference", "thesis"), runs=8, lines=(LINE,))
+    assert race(short(), same, workshop.as_it_is) == made
+    assert race(replace(short(), duration=0.06), same, workshop.as_it_is) is None
+    assert race(short(), replace(same, lines=()), workshop.as_it_is) is None
+    assert os.sched_getaffinity(0) == affinity  # only the workers are pinned
+
+
+def test_what_is_chosen_in_a_scene_is_tried_in_another(found: tuple[Race, Workshop]) -> None:
+    lines = chosen_in(found[0])
+    assert {line.signed_by for line in lines} == {CHOSEN.format("thesis-24")}
+    settings = [at.row.settings for level in LEVELS for at in standings(found[0].given, level).values()]
+    assert [line.settings for line in lines] == [each for number, each in enumerate(settings) if each not in settings[:number]]
+
+
+def test_fronts_signed_rows_and_answers_are_recorded(found: tuple[Race, Workshop]) -> None:
+    made, kept = found[0], recorded_rows(found[0].rows)
+    assert len(kept) < len(made.rows)
+    again = replace(made, rows=tuple(kept))
+    for level in LEVELS:
+        assert standings(again.given, level) == standings(made.given, level)
+    assert [row for row in made.rows if row.signed or row.level is not None] == [row for row in kept if row.signed or row.level is not None]
+
+
+def test_a_failure_and_a_run_that_would_be_too_long_are_rows(monkeypatch: pytest.MonkeyPatch) -> None:
+    case = replace(short(), duration=0.2)
+    solution = Truth(truth.run_of(engine("thesis"), case, engine("thesis").settings_type()).trajectory, Row(scene="s", engine="none"))
+
+    def of(behaviour: str) -> Row:
+        return tried(FakeEngine(), case, FakeSettings(step=0.1, behaviour=behaviour), solution)
+
+    assert of("fails").status == "failed at t = 0.002 s: the beam snapped; try another beam"
+    monkeypatch.setattr(module, "LONG", 10.0)  # the fake engine claims 0.125 s for any run, so a fiftieth foretells 6.25 s
+    assert of("good").completed
+    monkeypatch.setattr(module, "LONG", 1.0)
+    assert of("good").status == module.SLOW
+    assert of("good").solve_seconds is None
+
+
+def test_a_solution_that_cannot_be_had_is_a_failure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "truth_of", _broken)
+    with pytest.raises(EngineFailure, match="the loop cannot close"):
+        race(short(), Contest(("thesis",)), Workshop(Store(tmp_path)))
+    with pytest.raises(UnknownEngine):
+        race(short(), Contest(("nobody",)), Workshop(Store(tmp_path)))
+
+
+def _broken(case: Case) -> Truth:
+    raise EngineFailure(0.1, "the loop cannot close any more", "check the scene")
+
+
+def test_an_engine_that_dies_is_left_out_and_the_others_are_measured(found: tuple[Race, Workshop], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "raced", _deadly)
+    workshop = Workshop(found[1].store, LocalProcesses(1, Limits(seconds=60.0)))
+    made = race(short(), Contest(("exudyn", "thesis", "mujoco"), runs=0), workshop)
+    assert made is not None
+    assert made.failures == {"exudyn": "killed by SIGABRT", "thesis": "raised ZeroDivisionError: a bug"}
+    assert [row.engine for row in made.rows] == ["mujoco"]
+
+
+def _deadly(case: Case, contest: Contest, truth: Truth) -> list[Row]:
+    if contest.engines == ("exudyn",):
+        os.abort()
+    if contest.engines == ("thesis",):
+        raise ZeroDivisionError("a bug")
+    return [Row(scene=case.name, engine="mujoco", level=0.01)]
+
+
+def test_scenes_are_in_the_library() -> None:
+    assert [load_case(name).name for name in SCENES] == list(SCENES)
+
+
+def test_what_the_store_lacks_of_the_map_is_left_out(tmp_path: Path) -> None:
+    found = classes(Workshop(Store(tmp_path)).as_it_is, [CENTRE])
+    assert (found.scenes, found.trials) == ((), ())
+
+
+@pytest.mark.verify
+def test_two_packages_confirm_the_solution_of_run_24() -> None:
+    case = load_case("thesis-24")
+    solution = truth.truth_of(case)
+    assert solution.until == case.duration
+    for name in truth.CONFIRMING:
+        row, _ = truth.confirmation_of(case, solution.trajectory, name)
+        assert 0.0 < (row.error or 1.0) <= truth.CONFIRMED, row
+
+
+@pytest.mark.verify
+def test_compiling_takes_longer_than_loading_what_was_compiled(tmp_path: Any) -> None:
+    workshop = Workshop(Store(tmp_path))
+    assert compiling(workshop.as_it_is, ("thesis", "exudyn")) == []
+    (made,) = compiling(workshop, ("thesis", "exudyn"))  # exudyn compiles nothing
+    assert made.engine == "thesis"
+    assert 0.0 < 3.0 * made.load_seconds < made.compile_seconds
+    assert compiling(workshop.as_it_is, ("thesis",)) == [made]
