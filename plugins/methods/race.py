@@ -25,7 +25,7 @@ from quickreturn.plugins.methods.fronts import CRITERIA, front, paced
 from quickreturn.plugins.methods.row import LEVELS, REFUSED, Row, errors_of, variant_of
 from quickreturn.plugins.methods.search import RUNS, combinations, search
 from quickreturn.plugins.methods.signed import Line, settings_for
-from quickreturn.plugins.methods.truth import CONFIRMING_ONE, TRUTH, Truth, run_of, truth_of
+from quickreturn.plugins.methods.truth import CONFIRMING_ONE, TRUTH, Truth, run_of, truth_by_itself, truth_of
 
 #: Solve time (s) beyond which a run is not made, as its first part foretells.
 LONG: Final = 2.0
@@ -77,7 +77,7 @@ def race(case: Case, contest: Contest, workshop: Workshop) -> Race | None:
         KeyboardInterrupt: Ctrl-C; finished engines are stored.
     """
     failures = {name: reason for name in contest.engines if (reason := engine(name).unavailable())}
-    (solution,) = workshop.outcomes([_truth_job(case)], case.name)
+    (solution,) = workshop.outcomes([_truth_job(case, contest)], case.name)
     if solution.missing:
         return None
     truth = solution.value
@@ -109,8 +109,9 @@ def race(case: Case, contest: Contest, workshop: Workshop) -> Race | None:
     )
 
 
-def _truth_job(case: Case) -> Job[Truth]:
-    return Job(f"solution of {case.name}", truth_of, (case,), "truth", (TRUTH[0], CONFIRMING_ONE), inputs=inputs_of(case))
+def _truth_job(case: Case, contest: Contest) -> Job[Truth]:
+    find, engines = (truth_of, (TRUTH[0], CONFIRMING_ONE)) if contest.runs else (truth_by_itself, TRUTH[:1])
+    return Job(f"solution of {case.name}", find, (case,), "truth", engines, inputs=inputs_of(case))
 
 
 def _engine_job(case: Case, name: str, contest: Contest, truth: Truth) -> Job[list[Row]]:

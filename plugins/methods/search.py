@@ -23,7 +23,7 @@ from quickreturn.reference_model.mechanism import Mechanism
 RUNS: Final = 32
 #: Real numbers that are axes: those of the integration's error, which are cheaper the larger they are, and those that may help either way.
 TIME_ERRORS: Final = ("tolerance", "step")
-OTHERS: Final = ("slowed_to", "joint_inertia", "stiffness")
+OTHERS: Final = ("slowed_to", "joint_inertia", "stiffness", "damping")
 #: Factors of a step along an axis of real and of whole numbers, coarse to fine.
 STEPS: Final = ((10.0, 1.5), (10.0**0.5, 1.25), (10.0**0.25, 1.1))
 #: Errors that differ by no more than this factor count as equal while a level is missed.
@@ -85,13 +85,13 @@ def _moves(field: "Field[Any]", value: Any, step: tuple[float, float]) -> _Moves
     if not isinstance(value, float) or field.name not in (*TIME_ERRORS, *OTHERS) or not 0.0 < value < math.inf:
         return None
     up, down = ([each] if (each := min(max(float(f"{value * by:.2g}"), low), high)) != value else [] for by in (step[0], 1.0 / step[0]))
-    return _Moves(float, up, down) if field.name in TIME_ERRORS else _Moves(object, up + down, up + down)
+    return _Moves(float, up, down) if field.name in TIME_ERRORS else _Moves(object, down + up, down + up)
 
 
 def search(seeds: Sequence[Settings], levels: Sequence[float], runs: int, run: Callable[[Settings], Row]) -> list[Row]:
     """At most `runs` rows: `run` makes one from settings. Every level has its turn, for each of the `CRITERIA`."""
     tried: dict[Settings, Row] = {}
-    for settings in seeds[:runs]:
+    for settings in reversed(seeds[:runs]):
         tried[settings] = run(settings)
     goals = {(level, by): 0 for level in levels for by in CRITERIA}  # -> number of the step
     while goals and len(tried) < runs:
