@@ -56,7 +56,7 @@ BUDGETS = {
     "plugins/conform": 950,
     "plugins/derive": 2_090,
     "plugins/fmu": 390,
-    "plugins/methods": 2_880,
+    "plugins/methods": 2_230,
     "plugins/pack": 430,
     "plugins/strength": 1_400,
     "plugins/studies": 2_520,

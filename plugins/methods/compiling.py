@@ -7,7 +7,6 @@ import os
 import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
@@ -15,7 +14,7 @@ from typing import Final
 from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.running.job import Job
 from quickreturn.cases.running.workshop import Workshop
-from quickreturn.engines.one_run import run_once
+from quickreturn.engines.one_run import compile_seconds
 from quickreturn.engines.registry import engine
 from quickreturn.engines.start import standard_start
 from quickreturn.reference_model.native.cache_folder import VARIABLE
@@ -59,9 +58,7 @@ def first_step(name: str) -> float:
     """Wall time (s) of an engine's first output step in this process, imports apart."""
     case, chosen = load_case(_CASE), engine(name)
     settings = chosen.settings_for(chosen.default_accuracy, case.mechanism)
-    began = time.perf_counter()
-    run_once(chosen, case.mechanism, standard_start(case.mechanism), case.output_step, case.output_step, settings)
-    return time.perf_counter() - began
+    return compile_seconds(chosen, case.mechanism, standard_start(case.mechanism), case.output_step, settings)
 
 
 if __name__ == "__main__":

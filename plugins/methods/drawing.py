@@ -24,7 +24,7 @@ def draw(found: Race) -> Figure:
     In the hatched range an error is less than the difference between the two solutions that define it.
     """
     methods = {name: [row for row in found.given if row.method == name] for name in dict.fromkeys(row.method for row in found.given)}
-    figure = new_figure(4.2)
+    figure = new_figure(5.0)
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
     shown = dict[str, dict[str, Any]]()
     for axes, by in zip(panels, CRITERIA, strict=True):

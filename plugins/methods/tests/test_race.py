@@ -9,22 +9,24 @@ import pytest
 
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import catalogue
+from quickreturn.cases.library.hard import TAG
 from quickreturn.cases.running.job import Limits
 from quickreturn.cases.running.processes import LocalProcesses
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.error_parts import ESTIMATED
-from quickreturn.engines.registry import UnknownEngine, engine
+from quickreturn.engines.registry import MAIN, UnknownEngine, engine
 from quickreturn.plugins.methods import race as module
 from quickreturn.plugins.methods import truth
 from quickreturn.plugins.methods.compiling import compiling
 from quickreturn.plugins.methods.fronts import DEFLECTION, standings
 from quickreturn.plugins.methods.groups import CENTRE
 from quickreturn.plugins.methods.race import Contest, Race, race, tried
-from quickreturn.plugins.methods.row import LEVELS, REACHED, Row
+from quickreturn.plugins.methods.row import LEVELS, REACHED, WRONG, Row
 from quickreturn.plugins.methods.signed import Line
-from quickreturn.plugins.methods.studies import CHOSEN, SCENES, chosen_in, classes, recorded_rows
+from quickreturn.plugins.methods.studies import CHOSEN, SCENES, chosen_in, classes, hard_scenes, recorded_rows
 from quickreturn.plugins.methods.truth import Truth
 from tests.engines.fake_engine import FakeEngine, FakeSettings
 
@@ -176,3 +178,14 @@ def test_compiling_takes_longer_than_loading_what_was_compiled(tmp_path: Any) ->
     assert made.engine == "thesis"
     assert 0.0 < 3.0 * made.load_seconds < made.compile_seconds
     assert compiling(workshop.as_it_is, ("thesis",)) == [made]
+
+
+@pytest.mark.verify
+def test_no_claim_in_a_hard_scene_is_wrong() -> None:
+    """Stored where the report finds it; what was computed before is taken from there."""
+    races = hard_scenes(Workshop(Store()))
+    assert {found.case for found in races} == {entry.name for entry in catalogue(TAG)}
+    rows = [row for found in races for row in found.rows]
+    assert len(rows) == len(races) * len(MAIN)
+    assert [(row.scene, row.engine) for row in rows if row.status == WRONG] == []
+    assert [row for row in rows if row.status == REACHED]
