@@ -116,7 +116,7 @@ def recorded_rows(rows: Sequence[Row]) -> list[Row]:
 
 def front_rows(workshop: Workshop) -> dict[str, Sequence[Any]]:
     """Tables of the record "benchmark"."""
-    return _tables("benchmark", fronts(workshop)) | {"compiling": compiling(workshop, ENGINES)}
+    return _tables("benchmark", fronts(workshop)) | {"compiling": compiling(workshop, ENGINES) or table("compiling", Compiling)}
 
 
 def hard_scene_rows(workshop: Workshop) -> dict[str, Sequence[Any]]:

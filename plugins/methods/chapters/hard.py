@@ -72,8 +72,8 @@ def statuses(races: Sequence[Race]) -> Table:
     table = Table(
         "hard_scenes",
         """What came of asking every engine for the error in every hard scene, and the error against the solution that is known. That
-        solution is known up to the time given, from where on two formulations part, or to the end of the scene. A click on a cell shows
-        the engine’s claim and the reason.""",
+        solution is known up to the time given, to the end of the scene or to where it parts from that with four modes less. A click on a
+        cell shows the engine’s claim and the reason.""",
         (
             Column("scene", in_page=False),
             Column("title", "run 24 with"),
