@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from quickreturn.arguments import AnyCase, AnyEngineOrTable, given_settings, one_case, prepared
 from quickreturn.cases.comparison.campaign import hold_against_engines
 from quickreturn.cases.comparison.column_differences import Causes, causes, column_differences, places
-from quickreturn.cases.comparison.engines import CaseResult, Difference, agreement
+from quickreturn.cases.comparison.engines import CaseResult, agreement
+from quickreturn.cases.comparison.pair import Difference
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.errors import CaseError
 from quickreturn.cases.files.number_rows import PLAIN, Form

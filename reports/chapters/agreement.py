@@ -7,8 +7,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from quickreturn.cases.comparison.engines import CLASSES, KINDS, REFERENCE, WAVEFORM, WORSE, CaseResult, Difference, Kind, not_judged
+from quickreturn.cases.comparison.engines import CLASSES, REFERENCE, WORSE, CaseResult, not_judged
 from quickreturn.cases.comparison.engines import agreement as verdicts
+from quickreturn.cases.comparison.pair import KINDS, WAVEFORM, Difference, Kind
 from quickreturn.cases.motion.cycle import EXTREMES
 from quickreturn.cases.motion.number import SAYS_NOTHING, or_nan
 from quickreturn.reports.page.answer import answer_of

@@ -6,7 +6,8 @@ from typing import Final
 
 import numpy as np
 
-from quickreturn.cases.comparison.engines import REFERENCE, CaseResult, Difference, Kind
+from quickreturn.cases.comparison.engines import REFERENCE, CaseResult
+from quickreturn.cases.comparison.pair import Difference, Kind
 from quickreturn.cases.motion.cycle import EXTREMES
 
 #: Distance over the follower's length within which the slider counts as at a gauge: half of one of sixteen elements.

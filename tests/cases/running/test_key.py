@@ -62,8 +62,11 @@ def test_every_edit_counts_and_undoing_it_restores(package: Path) -> None:
 
 
 def test_data_files_do_not_count(package: Path) -> None:
+    """Nor what is unpacked beside compiled code."""
     before = fresh("fingerprinted")
     (package / "notes.md").write_text("nothing")
+    (package / "__pycache__/unpacked").mkdir(parents=True)
+    (package / "__pycache__/unpacked/machine.py").write_text("import math\n")
     assert fresh("fingerprinted") == before
 
 
