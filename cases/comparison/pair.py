@@ -3,7 +3,8 @@
 Most of a frequency's or an amplitude's uncertainty lies in what the first mode is taken to be, which is the same in two signals that are
 alike. So it counts as far as the signals differ: with their RMS difference in the half over the RMS of the signal less its mean, at most 1.
 Where the stiffness of the thesis' machines changes by 0.5 to 10 %, the change of a frequency that is found departs from the true one by no
-more than that in 80 to 89 % of the half cycles, by twice as much in 89 to 99 %: it is a standard deviation, as the uncertainty is.
+more than that in 80 to 89 % of the half cycles, by twice as much in 89 to 99 %: it is a standard deviation, as the uncertainty is. A
+recorded table that is near an engine is compared as sharply, and one that is far from it, as an experiment is, with the whole of both.
 
 Waveforms are compared at equal crank angles in every half and channel, whether or not a mode is resolvable: the RMS of the difference and
 its largest magnitude, against 0.
@@ -229,8 +230,8 @@ class Pair:
 
     @cached_property
     def _waveforms(self) -> dict[tuple[str, str], tuple[Array, Array]]:
-        """By half and channel: the signals of both runs at even crank angles."""
-        if not self._repeats:
+        """By half and channel: the signals of both runs at even crank angles. None of a recorded table, which claims no error of a row."""
+        if not self._repeats or any(run.recording for run in self._runs):
             return {}
         one, other = (on_common_grid(channels_of(run.cycle, self._channels(run))) for run in self._runs)
         parts = dict(zip(HALVES, (slice(GRID // 2), slice(GRID // 2, None)), strict=True))
@@ -239,7 +240,7 @@ class Pair:
     @property
     def _repeats(self) -> bool:
         """Whether each run has one cycle that repeats, of its own turn: signals are compared, not means over cycles."""
-        return all(run.approach.averaged_cycles == 1 and "time" in run.cycle and run.recording is None for run in self._runs)
+        return all(run.approach.averaged_cycles == 1 and "time" in run.cycle for run in self._runs)
 
     @staticmethod
     def _channels(run: Run) -> dict[str, Array]:

@@ -4,8 +4,9 @@ Engines are compared with it in the same state. A table that begins in the stand
 whole turn is compared with the same turn of each engine (`RunRequest.turn`). Any other table is taken as the steady state, whether it
 settles within the table, or the table has one turn, or turns that differ by noise.
 
-No error is claimed for the table's model. Only the uncertainty of the measures counts; that of an extreme comes from the departure of rows
-from a smooth course (noise, rounding, sampling), and from the difference of the last turn from the one before.
+No error is claimed for the table's model. Only the uncertainty of the measures counts, and what the noise of its rows does to them: the
+departure of rows from a smooth course (noise, rounding, sampling). That of an extreme comes from it, too, and from the difference of the
+last turn from the one before.
 """
 
 import math
@@ -25,7 +26,8 @@ from quickreturn.cases.files.units import in_si
 from quickreturn.cases.motion.consensus import Consensus
 from quickreturn.cases.motion.cycle import EXTREMES, VIBRATION, ChannelMeasures, measure_cycle
 from quickreturn.cases.motion.endings import Ending
-from quickreturn.cases.motion.estimates import MeasuredNumbers
+from quickreturn.cases.motion.estimates import MeasuredNumbers, mean_estimate
+from quickreturn.cases.motion.half_cycle import SAMPLES
 from quickreturn.cases.motion.marching import columns_of
 from quickreturn.cases.motion.request import STANDARD, Approach, Recording, Run
 from quickreturn.cases.motion.settling import AT_THE_END, GREATEST_NUMBER, TOLERANCE, Cycle, Settling, cut_cycles, on_common_grid
@@ -136,7 +138,7 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
             turn=turn,
             settled=settling.settled,
             cycles=len(cycles),
-            settling_error=settling.error_estimate if math.isfinite(settling.error_estimate) else None,
+            settling_error=settling.error_estimate if turn is None and math.isfinite(settling.error_estimate) else None,
             settling_errors=errors,
         ),
         measured=MeasuredNumbers(measures=measures, consensus=consensus, unestimated=""),
@@ -349,12 +351,29 @@ def _measured(
             reason = f"rows lie up to {gap / ms:.3g} ms apart; the first mode takes {largest / ms:.3g} ms at most"
     channels = {name: cycle[name] for name in CHANNELS if name in cycle}
     of_cycle = measure_cycle(None if reason else scale, time, angle, channels, filtered)
-    measures = [replace(each, reason=reason or each.reason, **_NONE_CLAIMED) for each in of_cycle.measures]
+    measures = [
+        replace(each, reason=reason or each.reason, **_NONE_CLAIMED, **_moved_by_noise(each, time, cycle[each.channel]))
+        for each in of_cycle.measures
+    ]
     for name in (name for name in cycle if name not in (*CHANNELS, *GROWING)):
         of_column = measure_cycle(None, time, angle, {name: cycle[name]}, filtered).measures
         measures += [replace(each, reason=NOTHING_TO_FIT, **_NONE_CLAIMED) for each in of_column]
-    return tuple(measures), tuple(replace(each, first_mode_frequency_estimate=0.0) for each in of_cycle.consensus)
+    estimates = (mean_estimate(measures, each.half) for each in of_cycle.consensus)
+    return tuple(measures), tuple(
+        replace(each, first_mode_frequency_estimate=estimate) for each, estimate in zip(of_cycle.consensus, estimates, strict=True)
+    )
 
 
 #: Error estimates of a table's measures: no error is claimed for its model.
-_NONE_CLAIMED: Final[dict[str, Any]] = {f"{quantity}_estimate": 0.0 for quantity in (*VIBRATION, *EXTREMES)}
+_NONE_CLAIMED: Final[dict[str, Any]] = {f"{quantity}_estimate": 0.0 for quantity in EXTREMES}
+
+
+def _moved_by_noise(measure: ChannelMeasures, time: Array, values: Array) -> dict[str, float]:
+    """What noise of the rows does to the numbers of a vibration, as their error estimates.
+
+    The response holds for noise in as many instants as are fitted, of which fewer rows determine no more than they are. As for an extreme
+    the scatter counts, several standard deviations: of 3,793 numbers of right tables with noise of 0.3 to 3 % two depart by more.
+    """
+    independent = min(SAMPLES, len(time) / 2.0)  # rows in a half
+    noise = scatter(time, values) / math.sqrt(independent)
+    return {f"{quantity}_estimate": measure.response(quantity) * noise for quantity in VIBRATION}

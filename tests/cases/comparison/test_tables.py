@@ -237,6 +237,24 @@ def test_a_table_that_repeats_is_settled(steady: Run, recorded: Recorded) -> Non
     assert (run.status, run.remark) == (Ending.SETTLED, "")
 
 
+@pytest.mark.parametrize(("factor", "noise"), [(1.01, 0.0), (0.98, 0.01)])
+def test_a_stiffness_that_is_a_percent_off_shows_in_the_vibration_of_a_table(
+    transient: pd.DataFrame, in_turn_5: Run, recorded: Recorded, factor: float, noise: float
+) -> None:
+    """What the fits leave open is common to table and engine; the table of the right machine agrees, and few comparisons say nothing."""
+    other = changed(CASE.mechanism, {"follower.bending_stiffness": factor * CASE.mechanism.follower.bending_stiffness})
+    made = simulate(engine("reference"), other, standard_start(other), 2.0, 1e-3, {"modes": "6"}, estimate=False).trajectory.table()
+    random = np.random.default_rng(5)
+    found = {}
+    for name, table in (("right", transient), ("wrong", made)):
+        noisy = {each: table[each] + noise * table[each].std() * random.standard_normal(len(table)) for each in COLUMNS[3:]}
+        checks = held(recorded(table, **noisy), in_turn_5).checks
+        found[name] = [check for check in checks if check.quantity in ("first_mode_frequency", "first_mode_amplitude")]
+    assert len(found["right"]) >= 6
+    assert {check.verdict for check in found["right"]} == {"agrees"}
+    assert "disagrees" in {check.verdict for check in found["wrong"]}
+
+
 def test_rows_that_are_evenly_coarse_are_no_gap(settled: pd.DataFrame, recorded: Recorded) -> None:
     with pytest.raises(CaseError, match=r"has a row every 0\.012 s; at most 0\.00378 s, 0\.01 of a turn, are accepted"):
         recorded(settled[-3000::12])
