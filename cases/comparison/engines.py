@@ -14,6 +14,7 @@ from functools import cached_property
 from itertools import product
 from typing import Final
 
+from quickreturn.cases.comparison.causes import Explanation
 from quickreturn.cases.comparison.pair import CONSENSUS, KINDS, QUANTITIES, Difference, Kind, Pair
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.motion.cycle import EXTREMES, HALVES, VIBRATION, extremes_by_half
@@ -38,7 +39,7 @@ class CaseResult:
     checks: tuple[Difference, ...] = field(default=())  # engines against each other
     recorded: Mapping[str, Run] = field(default_factory=dict)  # by name of the recorded table
     table_checks: tuple[Difference, ...] = field(default=())  # tables against engines
-    leads: Mapping[str, str] = field(default_factory=dict)  # by name of the table: a sentence on the quantities that would explain it
+    leads: Mapping[str, tuple[Explanation, ...]] = field(default_factory=dict)  # by name of the table: quantities that were tried on it
 
     def __repr__(self) -> str:
         runs = ", ".join(f"{name} {run.status}" for name, run in self.with_tables.runs.items())

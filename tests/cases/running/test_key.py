@@ -106,10 +106,10 @@ USES = """
 plugins.studies.sweep.grid.measured_row: cases.files.document cases.files.copies cases.files.units cases.files.reading
     cases.motion.catalogue cases.motion.steady_state plugins.strength.measures plugins.strength.stress,
     not plugins.studies.sweep.study cases.comparison.engines
-plugins.methods.judging.matrix.evidence_of: cases.library.hard plugins.methods.judging.evidence, not cases.comparison.column_differences
+plugins.methods.judging.matrix.evidence_of: cases.library.hard plugins.methods.judging.evidence, not cases.comparison.causes
 plugins.conform.contract.conform: plugins.conform.quantities plugins.conform.rods, not cases.comparison.engines
 cases.motion.steady_state.steady_state: cases.motion.drifting_fit cases.motion.marching plugins.strength.measures,
-    not cases.comparison.engines plugins.strength.words cases.comparison.column_differences plugins.studies.sweep.rows
+    not cases.comparison.engines plugins.strength.words cases.comparison.causes plugins.studies.sweep.rows
 cases.motion.orbit.find_orbit: cases.motion.orbit, not cases.comparison.engines
 cases.motion.solving.answer_to: cases.motion.solving, not cases.files.document cases.motion.steady_state plugins.strength.measures
 plugins.studies.resonance_curve.search.resonance_curve: cases.files.copies cases.files.reading plugins.strength.peak,
