@@ -49,7 +49,7 @@ BUDGETS = {
     "reference_model": 5_470,
     "engines": 4_300,
     "cases": 6_060,
-    "reports": 2_310,
+    "reports": 2_345,
     "quickreturn": 1_910,
     "pack": 90,
     "plugins/as_built": 410,
