@@ -43,10 +43,11 @@ AS_GOOD: Final = 2.0
 SLOW: Final = 3e-3
 #: Factor of the noise's mean square, which is taken off: over some 200 rows it scatters by 10 %, of which nearly twice counts.
 SURELY: Final = 1.16
-NOISY: Final = 0.3  # largest noise over the column's standard deviation for which explanations are tried
+NOISY: Final = 0.3  # largest noise over the column's standard deviation for which explanations are tried: more hides what they leave
 MAINS: Final = (50.0, 60.0, 100.0, 120.0)  # Hz, and the second harmonics, which rectifiers leave
 LATEST: Final = 0.25  # of a turn, by which a column may be late in a turn that does not repeat
-TRIES: Final = 120  # values of a constant that is searched
+TRIES: Final = 120  # values of a constant that are tried in half a turn, which has 3 to 15 periods of the vibration
+CUT: Final = 0.01  # least part of the rows beyond a limit that is named
 #: Largest part of the rows that have a value of their own if the column comes in steps, and largest departure of a value from them.
 FEW: Final = 0.5
 UNEVEN: Final = 0.05
@@ -172,10 +173,9 @@ class _Column:
         self.begin, self.end = (float(other.cycle["time"][place]) for place in (0, -1))
         angle, turned = run.cycle["crank_angle"], np.abs(other.cycle["crank_angle"] - other.cycle["crank_angle"][0])
         self.turned, self._instant = np.abs(angle - angle[0]), CubicSpline(turned, other.cycle["time"])
-        even = np.linspace(angle[0], angle[-1], 2) @ np.array([self.time[-1] - self.time, self.time - self.time[0]])
         #: The engine's time at each row: that of the same crank angle or, where none was recorded, at the same part of the turn.
         self.phase = np.asarray(self._instant(self.turned))
-        self.even = np.allclose(even / np.ptp(self.time), angle, rtol=0.0, atol=1e-9)
+        self.even = np.allclose(np.interp(self.time, self.time[[0, -1]], angle[[0, -1]]), angle, rtol=0.0, atol=1e-9)
         if self.even:
             self.phase = self.begin + (self.time - self.time[0]) * (self.end - self.begin) / np.ptp(self.time)
         self.repeats = other.approach.turn is None
@@ -251,13 +251,14 @@ class _Column:
 
         lowest, highest = 2.0 / (self.end - self.begin), 0.25 * len(self.time) / (self.end - self.begin)
         logarithm, left = _searched(fitted, np.linspace(math.log(lowest), math.log(highest), TRIES // 4))
-        told = f"looks as behind a low-pass of {'first' if order == 1 else 'second'} order at {math.exp(logarithm):.3g} Hz"
+        told = f"has passed a low-pass of {'first' if order == 1 else 'second'} order at {math.exp(logarithm):.3g} Hz"
         return Explanation(f"a low-pass of order {order}", told, left)
 
     def _limits(self) -> Explanation:
         expected, (low, high) = self.expected(), np.quantile(self.recorded, (0.0, 1.0))
         inside = np.mean((low < expected) & (expected < high))
-        words = f"is cut off at {low:.3g} and {high:.3g}{self.unit}"
+        cut = [f"{end:.3g}" for end, beyond in ((low, expected < low), (high, expected > high)) if np.mean(beyond) > CUT]
+        words = f"is cut off at {' and '.join(cut)}{self.unit}"
         return Explanation("a limit", words, self.left(np.clip(expected, low, high), self.size) if inside > 0.5 else math.inf)
 
     def _steps(self) -> Explanation:

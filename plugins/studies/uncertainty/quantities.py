@@ -53,12 +53,13 @@ def explanations(case: Case, table: RecordedTable) -> tuple[Explanation, ...]:
         begin = np.array([free.first for free in every.frees])
         if _smooth(_apart(every, begin, model.rows)) <= LEAST_DIFFERENCE:
             return ()
-        tries = [_fitted(case, model, every, places, begin) for places in _best(every, begin, 1)]
+        effects = _effects(every, begin)
+        tries = [_fitted(case, model, every, places, begin) for places in _best(*effects, 1)]
         if min(map(_left, tries)) > LEAST_DIFFERENCE and not model.begins:
             scanned = sorted((_scanned(case, model, free, at) for free, at in zip(every.frees, begin, strict=True)), key=_left)
             tries = [_fitted(case, model, Search(case, model, each.frees), (0,), each.at) for each in scanned[:FITTED]]
         if min(map(_left, tries)) > LEAST_DIFFERENCE:
-            tries += [_fitted(case, model, every, places, begin) for places in _best(every, begin, 2)]
+            tries += [_fitted(case, model, every, places, begin) for places in _best(*effects, 2)]
     except (CaseError, EngineFailure, Refusal, NoSteadyState):
         return ()
     return tuple(_explanation(each, case, table) for each in tries)
@@ -87,16 +88,20 @@ def _left(tried: _Try) -> float:
     return tried.left
 
 
-def _best(every: Search, begin: Array, count: int) -> list[tuple[int, ...]]:
-    """The places of single quantities, or of pairs, with which a linear fit to the first stretch of the table leaves least."""
+def _effects(every: Search, begin: Array) -> tuple[Array, Array]:
+    """What is left of the first stretch of the table, and its slopes by the quantities, shapes (n,) and (n, p), over the columns' RMS."""
     rows = every.model.stretches(every.case.mechanism)[0]
-    left = _apart(every, begin, rows).ravel()
-    slopes = (every.slopes(begin, rows) / every.model.sizes[:, None, None]).reshape(-1, len(begin))
+    slopes = every.slopes(begin, rows) / every.model.sizes[:, None, None]
+    return _apart(every, begin, rows).ravel(), slopes.reshape(-1, len(begin))
+
+
+def _best(left: Array, slopes: Array, count: int) -> list[tuple[int, ...]]:
+    """The places of single quantities, or of pairs, with which a linear fit to `_effects` leaves least."""
 
     def rest(places: tuple[int, ...]) -> float:
         return rms(left - slopes[:, places] @ np.linalg.lstsq(slopes[:, places], left)[0])
 
-    return sorted(combinations(range(len(begin)), count), key=rest)[:FITTED]
+    return sorted(combinations(range(slopes.shape[1]), count), key=rest)[:FITTED]
 
 
 def _fitted(case: Case, model: TableModel, every: Search, places: tuple[int, ...], begin: Array) -> _Try:
