@@ -123,7 +123,7 @@ class Comparison:
             two counts.
         alike: `before` is not run, and `factor` is taken on trust, if the relative difference between `run` and `other` is in no
             estimated column more than this many times that in the tip deflection. 0: `before` is always run.
-        of: what the part of the error comes from, in a word: "time", "space", "modes", "spring". Comparisons may share one.
+        of: what the part of the error comes from, in a word: "time", "space", "modes", "spring", "slowing". Comparisons may share one.
     """
 
     run: AnySettings

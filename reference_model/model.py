@@ -67,23 +67,34 @@ class BeamModel:
 
     @classmethod
     def following(
-        cls, scene: Scene, modes: int, constraint: SliderConstraint = CLOSED, slowed_to: float | None = None, at: float | None = None
+        cls,
+        scene: Scene,
+        modes: int,
+        constraint: SliderConstraint = CLOSED,
+        *,
+        slowed_to: int = 0,
+        slowed_above: float = 0.0,
+        at: float | None = None,
     ) -> "BeamModel":
         """A model whose shapes follow the slider: the first `modes` modes of the follower supported there.
 
-        A rigid follower has no shapes, and the follower alone has clamped modes. Unless `slowed_to` is None, an added inertia slows the
-        higher half of the modes, but not below this angular frequency (rad/s), see equation 5.15. `at`: see `beam.tables.following`.
+        A rigid follower has no shapes, and the follower alone has clamped modes, none of them slowed. `slowed_to`, `slowed_above`: see
+        `motion.parameters.added_inertia`; `at`: see `beam.tables.following`.
         """
         if scene.crank is None:
             return cls.alone(scene, modes)
         if scene.follower.is_rigid:
             return cls.staying(scene, no_shapes(scene.follower.length), constraint)
         tables, reach, family, seconds = beam.following(scene, modes, at=at)
-        return cls(scene, parameters(scene, modes, tables, reach, constraint, slowed_to=slowed_to), family.angles, seconds)
+        constants = parameters(scene, modes, tables, reach, constraint, slowed_to=slowed_to, slowed_above=slowed_above)
+        return cls(scene, constants, family.angles, seconds)
 
     @classmethod
-    def staying(cls, scene: Scene, shapes: ShapeSet, constraint: SliderConstraint = CLOSED) -> "BeamModel":
+    def staying(cls, scene: Scene, shapes: ShapeSet, constraint: SliderConstraint = CLOSED, *, slowed_to: int = 0) -> "BeamModel":
         """A model whose shapes do not move with the slider: slopes of clamped-free modes, or of cubic elements.
+
+        `slowed_to`: see `motion.parameters.added_inertia`; the modes are those of the clamped follower in these shapes. The follower
+        alone has none of them slowed.
 
         Raises:
             ValueError: a slider with rotary inertia on shapes whose curvature jumps.
@@ -95,7 +106,7 @@ class BeamModel:
         free, squares = decoupled(shapes, scene.follower.mass_per_length, scene.follower.bending_stiffness)
         of_elements = shapes.count > 0 and shapes.coefficients.shape[1] == 4
         tables, reach = (beam.elements if of_elements else beam.staying)(scene, free, squares)
-        constants = parameters(scene, free.count, tables, reach, constraint)
+        constants = parameters(scene, free.count, tables, reach, constraint, slowed_to=slowed_to)
         return cls(scene, constants, partial(_unmoved, partial(free.evaluate, derivative=1)))
 
     @classmethod

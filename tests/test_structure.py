@@ -46,7 +46,7 @@ cases.running: display imported_modules in_process job key pieces records store 
 LARGEST_KERNEL = 10_000
 #: Room -> lines of code at most: blank lines, comments, docstrings and imports do not count, nor do tests.
 BUDGETS = {
-    "reference_model": 5_470,
+    "reference_model": 5_471,
     "engines": 4_300,
     "cases": 6_060,
     "reports": 2_345,
@@ -56,7 +56,7 @@ BUDGETS = {
     "plugins/conform": 950,
     "plugins/derive": 2_090,
     "plugins/fmu": 390,
-    "plugins/methods": 2_880,
+    "plugins/methods": 2_923,
     "plugins/pack": 430,
     "plugins/strength": 1_400,
     "plugins/studies": 2_510,

@@ -158,8 +158,9 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
             constraint = SliderConstraint(kind=slider_constraint.ROLLERS, rollers=rollers(scene.slider), inertia=inertia)
         elif scene.slider.has_friction:
             constraint = SliderConstraint(kind=MULTIPLIER, stabilization=STABILIZATION)
-        slowed_to = BLOW_RESOLVED * rate_of_blow(scene) if scene.slider.has_corners else 0.0
-        return BeamModel.following(scene, settings.modes, constraint, slowed_to if settings.added_inertia else None, at)
+        slowed_to = unslowed(settings.modes) if settings.added_inertia else 0
+        above = BLOW_RESOLVED * rate_of_blow(scene) if scene.slider.has_corners else 0.0
+        return BeamModel.following(scene, settings.modes, constraint, slowed_to=slowed_to, slowed_above=above, at=at)
 
     def joint_line(self, scene: Scene, settings: ReferenceSettings) -> str:
         """Rigid, compliant or with friction."""

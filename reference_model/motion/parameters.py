@@ -3,7 +3,7 @@
 import numpy as np
 
 from quickreturn.reference_model.columns import PLACES
-from quickreturn.reference_model.constants import constants, pace, unslowed
+from quickreturn.reference_model.constants import constants, pace
 from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.motion.layout import BeamParameters, BeamTables, ShapeRow
 from quickreturn.reference_model.native.memory import Vector
@@ -18,7 +18,8 @@ def parameters(
     reach: float,
     constraint: SliderConstraint = CLOSED,
     *,
-    slowed_to: float | None = None,
+    slowed_to: int = 0,
+    slowed_above: float = 0.0,
 ) -> BeamParameters:
     """Constants of a scene.
 
@@ -28,7 +29,8 @@ def parameters(
         tables: of the shapes.
         reach: slider position beyond which the slider counts as off the follower, m.
         constraint: of the slider; ignored for the follower alone.
-        slowed_to: see `added_inertia`, rad/s; None adds no inertia.
+        slowed_to: see `added_inertia`.
+        slowed_above: see `added_inertia`.
     """
     kind = BASE if scene.crank is None else constraint.kind
     rollers, slider = constraint.rollers, scene.slider
@@ -65,7 +67,7 @@ def parameters(
         anchor_2=spring.anchor[1],
         spring_place=spring.place_on(scene.follower.length),
         spring=spring.law,
-        added_inertia=np.zeros(shapes) if slowed_to is None else added_inertia(tables, shapes, slowed_to),
+        added_inertia=added_inertia(tables, shapes, slowed_to, slowed_above),
         reach=reach,
         knows_frequency=1 if tables.moves and kind == ELIMINATED else 0,
         tables=tables,
@@ -77,13 +79,17 @@ def places(length: float, gauges: Vector) -> Vector:
     return np.concatenate([length * np.arange(1, PLACES + 1) / (PLACES + 1), gauges, np.zeros(3)])
 
 
-def added_inertia(tables: BeamTables, shapes: int, slowed_to: float) -> Vector:
-    """Added inertia of each amplitude over its modal mass, which slows the higher half of the modes (equation 5.15), shape (n,).
+def added_inertia(tables: BeamTables, shapes: int, slowed_to: int, slowed_above: float = 0.0) -> Vector:
+    """Added inertia of each amplitude over its modal mass, which slows the higher modes (equation 5.15), shape (n,).
 
-    The modes stay as fast as the middle one at the slider's place where that is fastest, or as `slowed_to` (rad/s) if that is more.
+    Args:
+        tables: of the shapes.
+        shapes: number of shapes n.
+        slowed_to: number c of the mode, from 1 on, to whose frequency all higher ones are slowed, at the slider's place where that is
+            highest; 0, n or more add no inertia.
+        slowed_above: angular frequency below which no mode is slowed, rad/s.
     """
-    middle = unslowed(shapes)
-    if middle == shapes:
+    if not 0 < slowed_to < shapes:
         return np.zeros(shapes)
     squares = ShapeRow.of(tables.coefficients[:, 3], shapes, tables).squares.max(axis=0)
-    return np.maximum(squares / max(squares[middle - 1], slowed_to**2) - 1.0, 0.0)
+    return np.maximum(squares / max(squares[slowed_to - 1], slowed_above**2) - 1.0, 0.0)

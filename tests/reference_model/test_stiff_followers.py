@@ -12,6 +12,7 @@ from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
+from quickreturn.reference_model.constants import unslowed
 from quickreturn.reference_model.dop853_loop import CEILING
 from quickreturn.reference_model.integration import REACHED_END
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
@@ -75,7 +76,7 @@ def test_errors_are_measured_against_a_hundredth_of_the_length_or_what_the_scene
 @pytest.mark.parametrize(("modes", "slowed"), [(1, False), (3, False), (6, False), (6, True)])
 def test_the_highest_frequency_is_bounded_closely(modes: int, slowed: bool, driven: bool) -> None:
     scene = scene_of(1.0, driven=driven)
-    model = BeamModel.following(scene, modes, slowed_to=0.0 if slowed else None)
+    model = BeamModel.following(scene, modes, slowed_to=unslowed(modes) if slowed else 0)
     w, first = model.workspace, 0 if driven else 1
     for angle in (2.0, 3.5, 6.0):
         y = model.straight_state(angle, SPEED)
@@ -92,7 +93,7 @@ def test_the_highest_frequency_is_bounded_closely(modes: int, slowed: bool, driv
 def test_an_added_inertia_slows_the_higher_half_of_the_modes_and_leaves_the_rest(modes: int, middle: int) -> None:
     """No mode is faster than the middle one at its fastest; up to there, and in what stands still, nothing changes."""
     scene = scene_of(1.0)
-    slowed, plain = (BeamModel.following(scene, modes, slowed_to=each) for each in (0.0, None))
+    slowed, plain = (BeamModel.following(scene, modes, slowed_to=each) for each in (unslowed(modes), 0))
     angles = np.linspace(0.0, math.pi, 61)
     fastest = max(frozen_crank_modes(scene, angle, middle).frequencies[-1] for angle in angles)
     for angle in angles[::6]:

@@ -20,6 +20,7 @@ from quickreturn.reference_model.slider_constraint import SliderConstraint
 LEAST_STIFFNESS: Final = 1e-30  # N/m
 MOST_STIFFNESS: Final = 1e30  # N/m
 MOST_DAMPING: Final = 1e30  # N s/m
+MOST_INERTIA: Final = 1e30  # kg
 #: EI / L^3 (N/m) in run 24. The spring's stiffness is in proportion to the follower's.
 FOLLOWER_OF_RUN_24: Final = 23.9
 #: In run 24: the spring's damping / stiffness (s), and the follower's sqrt(rho A / EI) L^2 (s), to which it is in proportion.
@@ -44,6 +45,9 @@ class StiffSpringSettings(ShapeSettings):
 
     stiffness: float = setting(1e6, "of the spring that stands for the constraint", unit="N/m", low=LEAST_STIFFNESS, high=MOST_STIFFNESS)
     damping: float = setting(30.0, "of the damper beside it", unit="N*s/m", low=0.0, high=MOST_DAMPING)
+    joint_inertia: float = setting(
+        0.0, "force over the gap's acceleration, parallel to that spring, whose vibration it slows", unit="kg", low=0.0, high=MOST_INERTIA
+    )
 
 
 #: Clamped-free modes, integration tolerance, stiffness (N/m), and the error of the tip deflection that they claim in run 24 over 2 s: the
@@ -77,9 +81,8 @@ def constraint(settings: StiffSpringSettings, scene: Scene) -> SliderConstraint:
     """The scene's joint if that is compliant, else the stiff spring and the damper of the settings."""
     if scene.slider.is_rigid:
         spring = Rollers(plus=settings.stiffness, minus=settings.stiffness, damping=settings.damping)
-    else:
-        spring = rollers(scene.slider)
-    return SliderConstraint(kind=slider_constraint.ROLLERS, rollers=spring)
+        return SliderConstraint(kind=slider_constraint.ROLLERS, rollers=spring, inertia=settings.joint_inertia)
+    return SliderConstraint(kind=slider_constraint.ROLLERS, rollers=rollers(scene.slider))
 
 
 def joint_line(settings: StiffSpringSettings, scene: Scene) -> str:
@@ -90,11 +93,12 @@ def joint_line(settings: StiffSpringSettings, scene: Scene) -> str:
 
 
 def scaled(settings: StiffSpringSettings, mechanism: Mechanism) -> StiffSpringSettings:
-    """Settings whose stiffness is in proportion to the follower's, and the damping to its time, too."""
+    """Settings whose stiffness is in proportion to the follower's, the damping to its time, too, and the inertia to the time's square."""
     scale, time = _follower(mechanism)
     stiffness = float(f"{min(max(scale * settings.stiffness, LEAST_STIFFNESS), MOST_STIFFNESS):.2g}")
     damping = float(f"{min(time * TIME_CONSTANT * stiffness, MOST_DAMPING):.2g}")
-    return settings.replaced(stiffness=stiffness, damping=damping)
+    inertia = min(scale * time**2 * settings.joint_inertia, MOST_INERTIA)
+    return settings.replaced(stiffness=stiffness, damping=damping, joint_inertia=inertia)
 
 
 def _follower(mechanism: Mechanism) -> tuple[float, float]:
@@ -113,7 +117,11 @@ def comparisons(settings: StiffSpringSettings, mechanism: Mechanism) -> tuple[Co
     if not mechanism.slider.is_rigid:
         return of_shapes
     ratio = SOFTER if SOFTER * settings.stiffness >= LEAST_STIFFNESS else 1.0 / SOFTER
-    other = settings.replaced(stiffness=ratio * settings.stiffness, damping=min(ratio * settings.damping, MOST_DAMPING))
+    other = settings.replaced(
+        stiffness=ratio * settings.stiffness,
+        damping=min(ratio * settings.damping, MOST_DAMPING),
+        joint_inertia=min(ratio * settings.joint_inertia, MOST_INERTIA),
+    )
     return (*of_shapes, Comparison(settings, other, 1.0 / ratio, of="spring"))
 
 
@@ -127,7 +135,9 @@ def finer(settings: StiffSpringSettings, excess: Mapping[str, float]) -> StiffSp
         return finer
     times = min(max(in_spring, _LEAST_AT_ONCE), _MOST_AT_ONCE) if excess else _UNKNOWN
     stiffness, damping = (float(f"{times * value:.2g}") for value in (settings.stiffness, settings.damping))
-    return finer.replaced(stiffness=stiffness, damping=damping) if stiffness <= MOST_STIFFNESS and damping <= MOST_DAMPING else None
+    inertia = min(times * settings.joint_inertia, MOST_INERTIA)  # so that the spring's vibration stays as it is
+    fits = stiffness <= MOST_STIFFNESS and damping <= MOST_DAMPING
+    return finer.replaced(stiffness=stiffness, damping=damping, joint_inertia=inertia) if fits else None
 
 
 #: The slider force opens a gap between crank tip and centre line against the spring; exact for a compliant joint.

@@ -189,7 +189,7 @@ def checks() -> tuple[Check, ...]:
     alone = replace(ALONE, follower=replace(ALONE.follower, material_damping=2e-4))
     models = (
         following(EVERYTHING, 1, BY_FORCE),
-        following(EVERYTHING, 4, slowed_to=0.0),  # with more points a cell
+        following(EVERYTHING, 4, slowed_to=3),  # with more points a cell
         following(turning, 2, HEAVY),
         staying(ON_ELEMENTS, elements_of(EVERYTHING, 2), BY_LEVER),
         staying(ON_ELEMENTS, elements_of(EVERYTHING, 2), ON_CHORDS),

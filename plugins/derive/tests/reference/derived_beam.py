@@ -125,11 +125,9 @@ class DerivedBeam:
         self.results = ca.Function("results", [*state, e.a, forces], shown)
 
     @classmethod
-    def following(
-        cls, mechanism: Mechanism, modes: int, constraint: SliderConstraint = CLOSED, slowed_to: float | None = None
-    ) -> "DerivedBeam":
+    def following(cls, mechanism: Mechanism, modes: int, constraint: SliderConstraint = CLOSED, slowed_to: int = 0) -> "DerivedBeam":
         """With natural modes that follow the slider."""
-        return cls(BeamModel.following(mechanism, modes, constraint, slowed_to), constraint)
+        return cls(BeamModel.following(mechanism, modes, constraint, slowed_to=slowed_to), constraint)
 
     @classmethod
     def staying(cls, mechanism: Mechanism, shapes: ShapeSet, constraint: SliderConstraint = CLOSED) -> "DerivedBeam":

@@ -56,8 +56,8 @@ following, staying, alone = DerivedBeam.following, DerivedBeam.staying, DerivedB
 MODELS: Final[dict[str, Callable[[], DerivedBeam]]] = {
     "following": lambda: following(EVERYTHING, 2),
     "following, five shapes": lambda: following(EVERYTHING, 5),
-    "following, slowed": lambda: following(EVERYTHING, 5, slowed_to=0.0),
-    "following, slowed, rollers, prescribed speed": lambda: following(RUBBING_HELD, 4, APART, slowed_to=0.0),
+    "following, slowed": lambda: following(EVERYTHING, 5, slowed_to=3),
+    "following, slowed, rollers, prescribed speed": lambda: following(RUBBING_HELD, 4, APART, slowed_to=3),
     "following, bare scene": lambda: following(BARE, 1),
     "following, damped, prescribed speed": lambda: following(at_constant_speed(DAMPED), 2),
     "following, material damping": lambda: following(DAMPED, 3),
