@@ -46,7 +46,7 @@ cases.running: display imported_modules in_process job key pieces records store 
 LARGEST_KERNEL = 10_000
 #: Room -> lines of code at most: blank lines, comments, docstrings and imports do not count, nor do tests.
 BUDGETS = {
-    "reference_model": 5_471,
+    "reference_model": 5_881,
     "engines": 4_300,
     "cases": 6_060,
     "reports": 2_345,
