@@ -138,7 +138,9 @@ class BeamModel:
             psi, psi_s = self._shapes(s, x)
             return psi[:, :count], psi_s[:, :count]
 
-        return BeamModel(self.scene, fewer, shapes)
+        model = BeamModel(self.scene, fewer, shapes)
+        model.implicit = self.implicit
+        return model
 
     @property
     def shapes(self) -> int:

@@ -96,3 +96,19 @@ def test_moving_boundaries_has_the_explicit_one_alone() -> None:
     settings = moving_boundaries.MovingBoundariesSettings()
     with pytest.raises(SettingError, match=r'engine\.integrator: "implicit" is not accepted; choose one of explicit'):
         settings.with_texts({"integrator": "implicit"})
+
+
+def test_the_steady_cycle_is_the_explicit_ones() -> None:
+    """Its period, its state and the largest multiplier, of `reference` with many modes, whose fast ones bound the last steps of a turn."""
+    start = standard_start(RUN_24)
+    settings = ReferenceSettings(modes=9, tolerance=1e-7)
+    explicit, implicit = (
+        REFERENCE.steady_state(RUN_24, start, settings.replaced(integrator=integrator)) for integrator in ("explicit", "implicit")
+    )
+    assert explicit is not None
+    assert implicit is not None
+    assert implicit.period == pytest.approx(explicit.period, rel=1e-6)
+    assert abs(implicit.multipliers[0] - explicit.multipliers[0]) < 1e-3 * abs(explicit.multipliers[0])
+    found, expected = (orbit.simulation.advance(orbit.period, orbit.period / 200) for orbit in (implicit, explicit))
+    for channel in CHANNELS:
+        assert relative_error(found[channel], expected[channel]) < 1e-3, channel
