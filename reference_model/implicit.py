@@ -73,6 +73,7 @@ class RadauRun(NamedTuple):
     matrices: Cube  # (3, e, e) mass, damping and stiffness
     factors: Matrix  # (e, e) of Newton's matrix for the real eigenvalue
     complex_factors: ComplexMatrix  # (e, e)
+    contraction: Vector  # (1,) ratio of the last two changes in Newton's iteration
     states: Matrix  # (intervals + 1, N) rows of the output
     ended: Vector  # (4,) number of rows, last instant (s), right-hand sides, next step (s)
 
@@ -117,6 +118,7 @@ def radau(
         matrices=np.zeros((3, e, e)),
         factors=np.zeros((e, e)),
         complex_factors=np.zeros((e, e), complex),
+        contraction=np.zeros(1),
         states=np.zeros((intervals + 1, N)),
         ended=np.zeros(4),
     )

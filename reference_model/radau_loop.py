@@ -16,6 +16,8 @@ Array = NDArray[np.float64]
 #: Newton's iteration ends where what is left is this fraction of the accepted local error, and fails after so many iterations.
 NEWTON: Final = 0.03
 MAX_ITERATIONS: Final = 10
+#: Largest ratio of successive changes for which the step may grow; the ratio grows with the square of the step.
+CONTRACTION: Final = 0.5
 MAX_CALLS: Final = 200_000_000
 
 _ROOT: Final = math.sqrt(6.0)
@@ -195,6 +197,7 @@ def _converge(run: RadauRun, h: float) -> int:
             if ratio > 2.0:
                 return -3 * iteration
         if norm * (ratio / (1.0 - ratio) if ratio < 0.9 else 10.0) < NEWTON or norm < 1e-3 * NEWTON:
+            run.contraction[0] = ratio if iteration > 1 else 0.0
             return 3 * iteration
     return -3 * MAX_ITERATIONS
 
@@ -283,7 +286,7 @@ def _radau(run: RadauRun) -> tuple[int, int, float, int, float]:
         for stage in range(3):
             _copy(run.Z[stage], run.Z_before[stage])
         _linearise(run)
-        growth = min(3.0, max(0.2, 0.85 * max(norm, 1e-6) ** -0.25))
+        growth = min(3.0, max(0.2, 0.85 * max(norm, 1e-6) ** -0.25), math.sqrt(CONTRACTION / max(run.contraction[0], 1e-3)))
         # a step cut at the end of the interval says nothing about the next
         step = max(step, h) if last and h < step else h * (min(growth, 1.0) if rejected else growth)
         rejected = False

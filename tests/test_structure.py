@@ -46,8 +46,8 @@ cases.running: display imported_modules in_process job key pieces records store 
 LARGEST_KERNEL = 10_000
 #: Room -> lines of code at most: blank lines, comments, docstrings and imports do not count, nor do tests.
 BUDGETS = {
-    "reference_model": 5_881,
-    "engines": 4_309,
+    "reference_model": 5_887,
+    "engines": 4_317,
     "cases": 6_060,
     "reports": 2_345,
     "quickreturn": 1_910,

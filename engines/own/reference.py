@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from quickreturn.engines import refusals
 from quickreturn.engines.base import FRICTION, HELD, ROLLERS, SPIN_UP, TOOL, USUAL, Comparison, NoSteadyState, SteadyState
 from quickreturn.engines.ladder import Ladder, S, gain_of
-from quickreturn.engines.own.beam_engine import LOOSEST, BeamEngine, BeamSettings, compared_integration, state_of
+from quickreturn.engines.own.beam_engine import LEAST_TOLERANCE, LOOSEST, BeamEngine, BeamSettings, compared_integration, state_of
 from quickreturn.engines.settings import setting
 from quickreturn.engines.start import Start
 from quickreturn.reference_model import slider_constraint
@@ -53,7 +53,6 @@ BLOW_RESOLVED: Final = 5.0
 #: Largest tolerance of a finer run over that of the run: a tenth shows the integration's error. Where rollers touch and part it is the
 #: ratio itself, because there more modes need no smaller tolerance.
 TENTH: Final = 0.1
-LEAST_TOLERANCE: Final = 1e-12
 #: Rate (1/s) at which numerical errors of the gap decay in a rigid joint with friction.
 STABILIZATION: Final = 100.0
 #: Error with two more modes over the error without.

@@ -50,6 +50,7 @@ RUNS = {
     "soft follower": _Run(REFERENCE, ReferenceSettings(modes=7, tolerance=1e-5), SOFT),
     "play": _Run(REFERENCE, ReferenceSettings(modes=5, tolerance=1e-6), PLAY, 0.25),
     "friction": _Run(REFERENCE, ReferenceSettings(modes=5, tolerance=1e-5), RUBBING),
+    "hard shaper": _Run(REFERENCE, ReferenceSettings(modes=5, tolerance=1e-5), load_case("hard-shaper-aluminium").mechanism),
     "prescribed speed": _Run(fixed_shapes.ENGINE, FixedShapesSettings(shapes=8, tolerance=1e-5), HELD),
 }
 
