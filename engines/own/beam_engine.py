@@ -121,16 +121,13 @@ def compared_integration(settings: S) -> tuple[Comparison, ...]:
     """
     if settings.integrator == EXPLICIT:
         return ()
-    tighter = [settings.replaced(tolerance=part * settings.tolerance) for part in (TIGHTER, TIGHTER**2) if _is_allowed(part, settings)]
-    if not tighter:
+    tenth, hundredth = (settings.replaced(tolerance=max(part * settings.tolerance, LEAST_TOLERANCE)) for part in (TIGHTER, TIGHTER**2))
+    if TIGHTER * settings.tolerance < LEAST_TOLERANCE:
         other = settings.replaced(tolerance=settings.tolerance / TIGHTER)
         return (Comparison(settings, other, 1.0 / PART_OF_TIGHTER, of="time"),)
-    before = Comparison(*tighter, PART_OF_TIGHTER, of="time") if len(tighter) > 1 else None
-    return (Comparison(settings, tighter[0], PART_OF_TIGHTER, before, of="time"),)
-
-
-def _is_allowed(part: float, settings: BeamSettings) -> bool:
-    return part * settings.tolerance >= LEAST_TOLERANCE
+    checked = TIGHTER**2 * settings.tolerance >= LEAST_TOLERANCE
+    before = Comparison(tenth, hundredth, PART_OF_TIGHTER, of="time") if checked else None
+    return (Comparison(settings, tenth, PART_OF_TIGHTER, before, of="time"),)
 
 
 def time_over_run_24(scene: Scene) -> float:

@@ -93,6 +93,16 @@ def test_the_estimate_names_the_part_of_time() -> None:
         assert relative_error(result.trajectory[channel], exact[channel]) < estimate, channel
 
 
+@pytest.mark.parametrize(("tolerance", "others"), [(1e-4, [1e-5, 1e-6]), (5e-11, [5e-12]), (1e-12, [1e-11])])
+def test_the_estimate_compares_with_tolerances_that_are_allowed(tolerance: float, others: list[float]) -> None:
+    settings = ReferenceSettings(tolerance=tolerance, integrator="implicit")
+    pair = next(pair for pair in REFERENCE.comparisons(settings, RUN_24, 1e-3) if pair.of == "time")
+    found = [pair.other, *([pair.before.other] if pair.before else [])]
+    assert [each.as_dict()["tolerance"] for each in found] == pytest.approx(others)
+    assert (pair.factor < 1.0) == (pair.other.as_dict()["tolerance"] < tolerance)
+    assert not [pair for pair in REFERENCE.comparisons(settings.replaced(integrator="explicit"), RUN_24, 1e-3) if pair.of == "time"]
+
+
 def test_moving_boundaries_has_the_explicit_one_alone() -> None:
     settings = moving_boundaries.MovingBoundariesSettings()
     with pytest.raises(SettingError, match=r'engine\.integrator: "implicit" is not accepted; choose one of explicit'):
