@@ -25,8 +25,8 @@ class Plugin:
         readings: name -> place of what it reads off results under that name, a `quickreturn.readings.Reading`.
         commands: name of a command -> its place, and the first sentence of its help.
         page: place of what it adds to the page of a report, a `reports.page.part.Part`; "" if it adds nothing.
-        leads: place of a function of a case and a recorded table of it that gives which quantities of the scene would explain the table;
-            "" if it has none.
+        leads: place of a function of a case and a recorded table of it that gives what quantities of the scene would explain of the table,
+            some `cases.comparison.causes.Explanation`; "" if it has none.
         records: name of a long study -> the place of the function that gives the rows of its recorded tables.
     """
 

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from quickreturn.arguments import AnyCase, AnyEngineOrTable, given_settings, loaded, prepared
 from quickreturn.cases.comparison.campaign import cross_validate
-from quickreturn.cases.comparison.engines import CaseResult, Difference
+from quickreturn.cases.comparison.engines import CaseResult
+from quickreturn.cases.comparison.pair import Difference
 from quickreturn.cases.files.columns import known_column
 from quickreturn.cases.files.errors import as_written, nearest_or_all
 from quickreturn.cases.files.printable import Cell, Printable

@@ -12,8 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from quickreturn.arguments import AnyCase, AnyEngineOrTable, given_settings, one_case, prepared
 from quickreturn.cases.comparison.campaign import hold_against_engines
-from quickreturn.cases.comparison.column_differences import Causes, causes, column_differences, places
-from quickreturn.cases.comparison.engines import CaseResult, Difference, agreement
+from quickreturn.cases.comparison.causes import Causes, causes, column_differences, places
+from quickreturn.cases.comparison.engines import CaseResult, agreement
+from quickreturn.cases.comparison.pair import Difference
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.errors import CaseError
 from quickreturn.cases.files.number_rows import PLAIN, Form
@@ -112,12 +113,12 @@ class TableComparison(Printable):
 
     @property
     def explanations(self) -> dict[str, str]:
-        """Column -> its factor or its lateness, where one explains its difference; "crank_angle" -> how late all columns are.
+        """Column -> what in its measuring chain explains its difference, see `cases.comparison.causes`.
 
-        "quantities" -> with which other value of a quantity of the scene the case would give the table; "unexplained" -> the columns for
-        whose difference nothing of these is known.
+        "crank_angle" -> how late all columns are; "time" -> how much longer a turn takes; "quantities" -> with which other values of one or
+        two quantities of the scene the case would give the table; "unexplained" -> the columns that nothing of this explains.
         """
-        return self.causes.told(self.result.case.name, self.result.leads.get(self.name, "")) if self.causes else {}
+        return self.causes.told(self.result.case.name, self.result.leads.get(self.name, ())) if self.causes else {}
 
     @property
     def frame(self) -> "pd.DataFrame":
@@ -202,11 +203,7 @@ def _led_on(case: Case, results: list[CaseResult], tables: Mapping[str, Recorded
     leads = of_plugins("leads")
     jobs = [Job(f"quantities of {name}", found_at(lead), (case, tables[name]), lasts=None) for lead in leads for name in names]
     outcomes = workshop.outcomes(jobs, "quantities that would explain a table")
-    found = {
-        name: "; or ".join(lead.told(case, tables[name].shown) for lead in outcome.value)
-        for name, outcome in zip(names * len(leads), outcomes, strict=True)
-        if outcome.value
-    }
+    found = {name: outcome.value or () for name, outcome in zip(names * len(leads), outcomes, strict=True)}
     return [replace(result, leads={name: found[name] for name in result.recorded if name in found}) for result in results]
 
 

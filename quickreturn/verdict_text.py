@@ -4,7 +4,8 @@ import math
 from collections.abc import Sequence
 from typing import Any, Final
 
-from quickreturn.cases.comparison.engines import REFERENCE, WAVEFORM, CaseResult, Difference, Kind, agreement, not_judged
+from quickreturn.cases.comparison.engines import REFERENCE, CaseResult, agreement, not_judged
+from quickreturn.cases.comparison.pair import WAVEFORM, Difference, Kind
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.printable import Cell, Rows
 from quickreturn.cases.files.shown import Units

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from quickreturn.reference_model.beam import tables as beam
 from quickreturn.reference_model.columns import NUMBERS, recorded_columns
 from quickreturn.reference_model.constants import characteristic_frequency, crank_speed_scale, pace
-from quickreturn.reference_model.entries import KERNEL, OBSERVATIONS
+from quickreturn.reference_model.entries import KERNEL, LINEARISED, OBSERVATIONS, WEIGHED
+from quickreturn.reference_model.implicit import Linearisation, radau
 from quickreturn.reference_model.integrate import Equations, dop853
 from quickreturn.reference_model.integration import Integration
 from quickreturn.reference_model.mechanism import FollowerAlone, Scene
@@ -51,6 +52,7 @@ class BeamModel:
 
     Attributes:
         made_before: as given.
+        implicit: whether `integrate` is implicit: for stiff models, by `implicit.radau` in place of `integrate.dop853`.
         parameters: the constants.
         workspace: intermediate results for the state evaluated last.
     """
@@ -58,6 +60,7 @@ class BeamModel:
     def __init__(self, scene: Scene, constants: BeamParameters, shapes: Angles, made_before: float = 0.0) -> None:
         self.scene = scene
         self.made_before = made_before
+        self.implicit = False
         self.parameters = constants
         self.workspace = workspace(constants)
         self._shapes = shapes
@@ -135,7 +138,9 @@ class BeamModel:
             psi, psi_s = self._shapes(s, x)
             return psi[:, :count], psi_s[:, :count]
 
-        return BeamModel(self.scene, fewer, shapes)
+        model = BeamModel(self.scene, fewer, shapes)
+        model.implicit = self.implicit
+        return model
 
     @property
     def shapes(self) -> int:
@@ -230,11 +235,18 @@ class BeamModel:
         rates = [crank_speed_scale(self.scene, crank_speed), *[self._size * frequency] * p.n, *[0.01 * frequency] * len(base)]
         return np.array(at_rest + rates)
 
+    @property
+    def linearisation(self) -> Linearisation:
+        """The linearised equations as the implicit integrator takes them."""
+        p = self.parameters
+        return Linearisation(LINEARISED.address, WEIGHED.address, p.speeds, p.speeds + 1, p.unknowns)
+
     def integrate(self, y: Array, output_step: float, intervals: int, tolerance: float, first_step: float = 0.0) -> Integration:
-        """States on a uniform grid from the state `y`; see `reference_model.integrate.dop853`."""
+        """States on a uniform grid from the state `y`; see `reference_model.integrate.dop853`, and `implicit.radau`."""
         scales = self.error_scales(float(State.of(y).u[0])) * tolerance
         p = self.parameters
-        return dop853(self.equations, y, output_step, intervals, scales, p.reach, pace(self.scene, p.n), first_step)
+        how = output_step, intervals, scales, p.reach, pace(self.scene, p.n), first_step
+        return radau(self.equations, self.linearisation, y, *how) if self.implicit else dop853(self.equations, y, *how)
 
     def observe(self, states: Array) -> dict[str, Array]:
         """Observables of states (k, size), each of shape (k,), by the names in `reference_model.columns`; see `recorded_columns`.

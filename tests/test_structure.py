@@ -46,10 +46,10 @@ cases.running: display imported_modules in_process job key pieces records store 
 LARGEST_KERNEL = 10_000
 #: Room -> lines of code at most: blank lines, comments, docstrings and imports do not count, nor do tests.
 BUDGETS = {
-    "reference_model": 5_471,
-    "engines": 4_300,
-    "cases": 5_920,
-    "reports": 2_310,
+    "reference_model": 5_887,
+    "engines": 4_317,
+    "cases": 6_060,
+    "reports": 2_345,
     "quickreturn": 1_910,
     "pack": 90,
     "plugins/as_built": 410,
@@ -59,7 +59,7 @@ BUDGETS = {
     "plugins/methods": 2_275,
     "plugins/pack": 430,
     "plugins/strength": 1_400,
-    "plugins/studies": 2_520,
+    "plugins/studies": 2_510,
     "plugins/thesis": 1_690,
 }
 

@@ -4,8 +4,9 @@ Engines are compared with it in the same state. A table that begins in the stand
 whole turn is compared with the same turn of each engine (`RunRequest.turn`). Any other table is taken as the steady state, whether it
 settles within the table, or the table has one turn, or turns that differ by noise.
 
-No error is claimed for the table's model. Only the uncertainty of the measures counts; that of an extreme comes from the departure of rows
-from a smooth course (noise, rounding, sampling), and from the difference of the last turn from the one before.
+No error is claimed for the table's model. Only the uncertainty of the measures counts, and what the noise of its rows does to them: the
+departure of rows from a smooth course (noise, rounding, sampling). That of an extreme comes from it, too, and from the difference of the
+last turn from the one before.
 """
 
 import math
@@ -25,7 +26,8 @@ from quickreturn.cases.files.units import in_si
 from quickreturn.cases.motion.consensus import Consensus
 from quickreturn.cases.motion.cycle import EXTREMES, VIBRATION, ChannelMeasures, measure_cycle
 from quickreturn.cases.motion.endings import Ending
-from quickreturn.cases.motion.estimates import MeasuredNumbers
+from quickreturn.cases.motion.estimates import MeasuredNumbers, mean_estimate
+from quickreturn.cases.motion.half_cycle import SAMPLES
 from quickreturn.cases.motion.marching import columns_of
 from quickreturn.cases.motion.request import STANDARD, Approach, Recording, Run
 from quickreturn.cases.motion.settling import AT_THE_END, GREATEST_NUMBER, TOLERANCE, Cycle, Settling, cut_cycles, on_common_grid
@@ -116,13 +118,14 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
     recording = Recording(table.shown, len(columns["time"]), table.declared, table.of_experiment, late, table.told)
     counted = columns["time"] >= cycles[0].time[0] if missing else slice(None)
     angle_noise = scatter(columns["time"][counted], columns["crank_angle"][counted])
-    errors = {name: noise_of(last["time"], last[name]) + _at_cuts(last, name, angle_noise) for name in last if name not in GROWING}
+    late = _lateness_of_cuts(last, angle_noise)
+    errors = {name: noise_of(last["time"], last[name]) + _at_cuts(last, name, late) for name in last if name not in GROWING}
     if turn is None:
         errors = {name: error + _change(cycles, settling, name) for name, error in errors.items()}
         if left and not settled:
             remarks.append(_unsettled(table, settling, far, odd))
     unsettled = Ending.NOT_SETTLED if far else Ending.ASSUMED
-    measures, consensus = _measured(mechanism, last, recording.filtered, gap)
+    measures, consensus = _measured(mechanism, last, recording.filtered, gap, late)
     return Run(
         engine=table.name,
         method=table.declared.get("source", "recorded table"),
@@ -136,7 +139,7 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
             turn=turn,
             settled=settling.settled,
             cycles=len(cycles),
-            settling_error=settling.error_estimate if math.isfinite(settling.error_estimate) else None,
+            settling_error=settling.error_estimate if turn is None and math.isfinite(settling.error_estimate) else None,
             settling_errors=errors,
         ),
         measured=MeasuredNumbers(measures=measures, consensus=consensus, unestimated=""),
@@ -327,19 +330,27 @@ def _change(cycles: list[Cycle], settling: Settling, name: str) -> float:
     return float(np.max(np.abs(pair[1] - pair[0]))) * (max(1.0, ratio / (1.0 - ratio)) if ratio < 1.0 else 1.0)
 
 
-def _at_cuts(cycle: Mapping[str, Array], name: str, angle_noise: float) -> float:
-    """Uncertainty of a column where the turn is cut into halves, from the noise of the crank angle, rad."""
+def _lateness_of_cuts(cycle: Mapping[str, Array], angle_noise: float) -> float:
+    """Uncertainty, s, of the instants at which the turn is cut into halves, from the noise of the crank angle, rad."""
+    turned = abs(float(cycle["crank_angle"][-1] - cycle["crank_angle"][0]))
+    return min(angle_noise / turned, LARGEST_GAP) * float(np.ptp(cycle["time"]))
+
+
+def _at_cuts(cycle: Mapping[str, Array], name: str, late: float) -> float:
+    """Uncertainty of a column where the turn is cut into halves, from that of the cuts, s."""
     time, turned = cycle["time"], np.abs(cycle["crank_angle"] - cycle["crank_angle"][0])
-    late = min(angle_noise / turned[-1], LARGEST_GAP) * (time[-1] - time[0])
     cuts = np.interp([0.0, math.pi, 2.0 * math.pi], turned, time)
     values = np.interp(np.add.outer([-late, 0.0, late], cuts), time, cycle[name])
     return float(np.max(np.abs(values - values[1])))
 
 
 def _measured(
-    mechanism: Mechanism, cycle: Mapping[str, Array], filtered: bool, gap: float
+    mechanism: Mechanism, cycle: Mapping[str, Array], filtered: bool, gap: float, late: float
 ) -> tuple[tuple[ChannelMeasures, ...], tuple[Consensus, ...]]:
-    """Measures of every column that does not grow, and the consensus on the first mode's frequency. `gap`: largest distance of rows, s."""
+    """Measures of every column that does not grow, and the consensus on the first mode's frequency.
+
+    `gap`: largest distance of rows, s; `late`: uncertainty of the instants at which the turn is cut into halves, s.
+    """
     time, angle = cycle["time"], cycle["crank_angle"]
     scale, reason = time_scale(mechanism), ""
     if scale is not None:
@@ -349,12 +360,30 @@ def _measured(
             reason = f"rows lie up to {gap / ms:.3g} ms apart; the first mode takes {largest / ms:.3g} ms at most"
     channels = {name: cycle[name] for name in CHANNELS if name in cycle}
     of_cycle = measure_cycle(None if reason else scale, time, angle, channels, filtered)
-    measures = [replace(each, reason=reason or each.reason, **_NONE_CLAIMED) for each in of_cycle.measures]
+    measures = [
+        replace(each, reason=reason or each.reason, **_NONE_CLAIMED, **_moved_by_noise(each, time, cycle[each.channel], late))
+        for each in of_cycle.measures
+    ]
     for name in (name for name in cycle if name not in (*CHANNELS, *GROWING)):
         of_column = measure_cycle(None, time, angle, {name: cycle[name]}, filtered).measures
         measures += [replace(each, reason=NOTHING_TO_FIT, **_NONE_CLAIMED) for each in of_column]
-    return tuple(measures), tuple(replace(each, first_mode_frequency_estimate=0.0) for each in of_cycle.consensus)
+    estimates = (mean_estimate(measures, each.half) for each in of_cycle.consensus)
+    return tuple(measures), tuple(
+        replace(each, first_mode_frequency_estimate=estimate) for each, estimate in zip(of_cycle.consensus, estimates, strict=True)
+    )
 
 
 #: Error estimates of a table's measures: no error is claimed for its model.
-_NONE_CLAIMED: Final[dict[str, Any]] = {f"{quantity}_estimate": 0.0 for quantity in (*VIBRATION, *EXTREMES)}
+_NONE_CLAIMED: Final[dict[str, Any]] = {f"{quantity}_estimate": 0.0 for quantity in EXTREMES}
+
+
+def _moved_by_noise(measure: ChannelMeasures, time: Array, values: Array, late: float) -> dict[str, Any]:
+    """What noise of the rows does to the numbers of a vibration, as their error estimates.
+
+    The response holds for noise in as many instants as are fitted, of which fewer rows determine no more than they are. As for an extreme
+    the scatter counts, several standard deviations: of 3,793 numbers of right tables with noise of 0.3 to 3 % two depart by more. Where the
+    turn is cut late, by `late` (s) at most, the whole signal is.
+    """
+    independent = min(SAMPLES, len(time) / 2.0)  # rows in a half
+    moved = scatter(time, values) / math.sqrt(independent) + late * rms(np.gradient(values, time))
+    return {f"{quantity}_estimate": measure.response(quantity) * moved for quantity in VIBRATION}

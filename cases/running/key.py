@@ -162,7 +162,7 @@ def _file_hash(source: str) -> str:
 
 def _hash_of(files: Iterator[Path], root: Path) -> str:
     digest = hashlib.sha256()
-    for file in sorted(files):
+    for file in sorted(each for each in files if "__pycache__" not in each.relative_to(root).parts):  # a Python FMU is unpacked there
         text = file.read_bytes()
         # Name and length before each text, so that a line that moves from one file to the next changes the hash.
         digest.update(f"{file.relative_to(root).as_posix()} {len(text)}\n".encode())

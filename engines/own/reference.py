@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from quickreturn.engines import refusals
 from quickreturn.engines.base import FRICTION, HELD, ROLLERS, SPIN_UP, TOOL, USUAL, Comparison, NoSteadyState, SteadyState
 from quickreturn.engines.ladder import Ladder, S, gain_of
-from quickreturn.engines.own.beam_engine import BeamEngine, BeamSettings, state_of
+from quickreturn.engines.own.beam_engine import LEAST_TOLERANCE, LOOSEST, BeamEngine, BeamSettings, compared_integration, state_of
 from quickreturn.engines.settings import setting
 from quickreturn.engines.start import Start
 from quickreturn.reference_model import slider_constraint
@@ -53,7 +53,6 @@ BLOW_RESOLVED: Final = 5.0
 #: Largest tolerance of a finer run over that of the run: a tenth shows the integration's error. Where rollers touch and part it is the
 #: ratio itself, because there more modes need no smaller tolerance.
 TENTH: Final = 0.1
-LEAST_TOLERANCE: Final = 1e-12
 #: Rate (1/s) at which numerical errors of the gap decay in a rigid joint with friction.
 STABILIZATION: Final = 100.0
 #: Error with two more modes over the error without.
@@ -81,7 +80,7 @@ class ReferenceSettings(BeamSettings):
 
     modes: int = setting(5, "modes of the beam supported at the slider", low=1, high=MOST_MODES)
     tolerance: float = setting(
-        1e-7, "local error of the integration, relative to fixed sizes of the states", low=LEAST_TOLERANCE, high=1e-4
+        1e-7, "local error of the integration, relative to fixed sizes of the states", low=LEAST_TOLERANCE, high=LOOSEST
     )
     added_inertia: bool = setting(False, "the higher half of the modes has an added inertia and vibrates no faster than the middle one")
 
@@ -192,9 +191,9 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         relative difference is then larger in accelerations than in the deflection. With clamped modes the error of the deflection falls
         faster than stated, so that its estimate is a little too large.
         """
-        ladder = SLOWED if settings.added_inertia else AS_THEY_ARE
+        ladder, in_time = SLOWED if settings.added_inertia else AS_THEY_ARE, compared_integration(settings)
         if settings.modes + 2 > MOST_MODES:
-            return (Comparison(settings, ladder.sized(settings, settings.modes - 2), 1.0 / RATIO, of="modes"),)
+            return (Comparison(settings, ladder.sized(settings, settings.modes - 2), 1.0 / RATIO, of="modes"), *in_time)
 
         def sized(run: ReferenceSettings, modes: int) -> ReferenceSettings:
             usual, tenth = ladder.sized(run, modes), max(TENTH * run.tolerance, LEAST_TOLERANCE)
@@ -206,7 +205,7 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         if more + 2 <= MOST_MODES:
             further = Comparison(finer, sized(finer, more + 2), RATIO if settings.modes < MODES_WITH_ORDER else SLOWEST_RATIO, of="modes")
         alike = ALIKE_WITHIN.get(settings.modes, 0.0) if settings.added_inertia else 0.0
-        return (Comparison(settings, finer, ratio, further, alike=alike, of="modes"),)
+        return (Comparison(settings, finer, ratio, further, alike=alike, of="modes"), *in_time)
 
     def first_row(self, scene: Scene, start: Start | None, settings: ReferenceSettings, place: float) -> "Trajectory | None":
         """See `Engine.first_row`: with the most modes, in tables about the slider's place."""

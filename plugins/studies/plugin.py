@@ -14,5 +14,5 @@ PLUGIN = Plugin(
         "calibrate": (f"{_HERE}.commands:calibrate", "Find parameters of CASE from a recorded table by least squares."),
     },
     page=f"{_HERE}.page:PAGE",
-    leads=f"{_HERE}.uncertainty.quantities:leads",
+    leads=f"{_HERE}.uncertainty.quantities:explanations",
 )

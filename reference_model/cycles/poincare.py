@@ -160,7 +160,8 @@ class PoincareMap:
             if duration < 4.0 * step:
                 break
         y = states[-1][-1].copy()
-        parts = 1 + int(abs(duration) / step * PARTS)
+        # steps of the implicit integrator are longer than the fastest vibration lets these be
+        parts = 1 + int(abs(duration) * max(PARTS / step, float(self.model.workspace.watched[1])))
         if parts > LONGEST_REST:
             raise CycleBroken("the cycle ended far from the slider's farthest place")
         elapsed += turn_to(self.model, y, end, parts)

@@ -11,6 +11,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from quickreturn.reference_model.native.memory import ComplexVector, Cube, Matrix, Vector, on_lines
+from quickreturn.reference_model.slider_constraint import CHORDS, LEVER, MULTIPLIER
 from quickreturn.reference_model.spring import SpringLaw
 
 #: Entries for the bodies behind those for the points, in rows of velocities and accelerations; two more make the rows' length a multiple
@@ -186,6 +187,11 @@ class BeamParameters(NamedTuple):
     reach: float  # m, slider position beyond which the slider counts as off the follower
     knows_frequency: int  # whether the shapes' highest frequency bounds that of the equations (5.9)
     tables: BeamTables
+
+    @property
+    def unknowns(self) -> int:
+        """Number of unknowns of the linearised equations: the accelerations of the speeds, and the force of a constraint that has one."""
+        return self.speeds + int(self.constraint in (MULTIPLIER, LEVER, CHORDS))
 
 
 class BeamWorkspace(NamedTuple):

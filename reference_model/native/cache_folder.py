@@ -69,8 +69,8 @@ def _writable(folder: Path) -> bool:
 
 @cache
 def source_hash() -> str:
-    """Hash of the sources of this package."""
-    return hash_of(_PACKAGE.rglob("*.py"))
+    """Hash of the sources of this package, without what the folders of compiled code hold, such as unpacked FMUs."""
+    return hash_of(file for file in _PACKAGE.rglob("*.py") if "__pycache__" not in file.relative_to(_PACKAGE).parts)
 
 
 def hash_of(files: Iterable[Path]) -> str:

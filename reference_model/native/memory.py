@@ -13,6 +13,7 @@ Vector = NDArray[np.float64]
 ComplexVector = NDArray[np.complex128]
 Matrix = NDArray[np.float64]
 Cube = NDArray[np.float64]
+ComplexMatrix = NDArray[np.complex128]
 #: What a member of a tuple may be annotated with, other than a tuple or a record -> its number of dimensions, and type of its numbers.
 KINDS: Final[dict[str, tuple[int, type]]] = {
     "float": (0, float),
@@ -22,6 +23,7 @@ KINDS: Final[dict[str, tuple[int, type]]] = {
     "ComplexVector": (1, complex),
     "Matrix": (2, float),
     "Cube": (3, float),
+    "ComplexMatrix": (2, complex),
 }
 
 

@@ -7,21 +7,26 @@ from typing import Any, Final
 
 import numpy as np
 
-from quickreturn.cases.comparison.engines import CLASSES, KINDS, REFERENCE, WAVEFORM, WORSE, CaseResult, Difference, Kind, not_judged
+from quickreturn.cases.comparison.engines import CLASSES, REFERENCE, WORSE, CaseResult, not_judged
 from quickreturn.cases.comparison.engines import agreement as verdicts
+from quickreturn.cases.comparison.pair import KINDS, WAVEFORM, Difference, Kind
 from quickreturn.cases.motion.cycle import EXTREMES
 from quickreturn.cases.motion.number import SAYS_NOTHING, or_nan
 from quickreturn.reports.page.answer import answer_of
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.plot import Plot, Series
-from quickreturn.reports.results.engine_differences import cause, differences, engines_of, outward
+from quickreturn.reports.page.view import shown_first
+from quickreturn.reports.results.engine_differences import cause, differences, engines_of, outward, used_along
 from quickreturn.reports.tables.cells import COMPARISON, QUANTITY_COLUMN, UNRESOLVABLE, compared
 from quickreturn.reports.tables.table import Cell, Column, Mark, Table
 from quickreturn.reports.words import QUANTITY, case_label, counted, in_words, listed, number, place, size
 
 #: Least difference over tolerance that is drawn; smaller ones are drawn here, because the logarithmic axis has no zero.
 LEAST_USED: Final = 1e-5
+#: Crank angles of a cycle that a plot of differences leaves out between two points, and those between two rows of its table.
+FINE: Final = 2
+COARSE: Final = 10
 #: Kinds of numbers whose sharpness the chapter gives -> the word for one of them.
 KINDS_GIVEN: Final[Mapping[Kind, str]] = {
     "frequency": "frequency",
@@ -61,6 +66,8 @@ def agreement(content: Content) -> Chapter | None:
         "reasons": list(dict.fromkeys(result.reason for result in results if result.reason)),
         "unjudged": unjudged,
         "plot": _used(results) if checks else None,
+        "along": _used_along(shown_first(results)),
+        "waveforms": waveforms(results),
         "sharp": sharp_table(sharp),
         "map": run_map(results),
         "summary": summary(results),
@@ -119,6 +126,30 @@ def _used(results: Sequence[CaseResult]) -> Plot:
         series.append(Series(name, name, [QUANTITY[check.quantity] for _, check, _ in of_engine], used, texts, line=False))
     quantities = [words for key, words in QUANTITY.items() if any(check.quantity == key for _, check in checks)]
     return Plot("compared.csv", "", "difference over tolerance", series, "y", categories=quantities, limit=(1.0, "tolerance"))
+
+
+def _used_along(result: CaseResult) -> Plot | None:
+    """Plot of the waveforms' differences over their tolerance over a cycle of one run, by engine; None if none is judged."""
+    series = [
+        Series(name, name, [360.0 * k / len(used) for k in range(0, len(used), FINE)], [float(part) for part in used[::FINE]], marked=False)
+        for name in result.runs
+        if (used := used_along(result, name)) is not None
+    ]
+    series.append(Series("what both claim", "what both claim", [0.0, 360.0], [1.0, 1.0]))
+    angle = "crank angle from the farthest place (deg)"
+    return Plot("waveforms.csv", angle, "difference over tolerance", series) if len(series) > 1 else None
+
+
+def waveforms(results: Sequence[CaseResult]) -> Table:
+    """A file: the differences of waveforms over their tolerance, over a cycle of each run."""
+    columns = ("case", "engine", Column("crank_angle", unit="deg", form=".0f"), Column("used", form=".3g"))
+    table = Table("waveforms", "The largest difference of an engine's channels over the tolerance.", columns, in_page=False)
+    for result in results:
+        for name in result.runs:
+            if (used := used_along(result, name)) is not None:
+                for place in range(0, len(used), COARSE):
+                    table.add(case=result.case.name, engine=name, crank_angle=360.0 * place / len(used), used=used[place])
+    return table
 
 
 def run_map(results: Sequence[CaseResult]) -> Table:

@@ -3,7 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Final
 
-from quickreturn.cases.comparison.engines import CONSENSUS, REFERENCE, CaseResult, Pair
+from quickreturn.cases.comparison.engines import REFERENCE, CaseResult
+from quickreturn.cases.comparison.pair import CONSENSUS, Pair
 from quickreturn.cases.files.shown import Units
 from quickreturn.cases.motion.catalogue import IN_TABLES, MEASURES
 from quickreturn.cases.motion.cycle import EXTREMES, HALVES, VIBRATION

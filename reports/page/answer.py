@@ -6,7 +6,8 @@ from typing import Final
 
 import numpy as np
 
-from quickreturn.cases.comparison.engines import REFERENCE, CaseResult, Kind
+from quickreturn.cases.comparison.engines import REFERENCE, CaseResult
+from quickreturn.cases.comparison.pair import Kind
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.request import Run
 from quickreturn.engines.registry import MODEL

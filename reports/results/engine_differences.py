@@ -5,9 +5,13 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
-from quickreturn.cases.comparison.engines import REFERENCE, CaseResult, Difference, Kind
-from quickreturn.cases.motion.cycle import EXTREMES
+from quickreturn.cases.comparison.engines import REFERENCE, CaseResult
+from quickreturn.cases.comparison.pair import WAVEFORM, Difference, Kind
+from quickreturn.cases.motion.cycle import EXTREMES, HALVES
+from quickreturn.cases.motion.marching import channels_of
+from quickreturn.cases.motion.settling import GRID, on_common_grid
 
 #: Distance over the follower's length within which the slider counts as at a gauge: half of one of sixteen elements.
 KINK: Final = 1.0 / 32.0
@@ -42,6 +46,22 @@ def differences(
 ) -> list[Difference]:
     """The differences of all cases; see `CaseResult.differences`."""
     return [difference for result in results for difference in result.differences(name, kind, other, half, channel)]
+
+
+def used_along(result: CaseResult, name: str) -> NDArray[np.float64] | None:
+    """The largest difference of an engine's channels from those it is held against, over the tolerance, at even crank angles, shape (720,).
+
+    None if its waveforms are not judged.
+    """
+    checks = [check for check in result.checks if check.engine == name and check.quantity == WAVEFORM[1] and check.tolerance > 0.0]
+    if not checks:
+        return None
+    one, other = (on_common_grid(channels_of(result.runs[each].cycle)) for each in (name, checks[0].other))
+    used = np.zeros((len(HALVES), GRID // len(HALVES)))
+    for check in checks:
+        half, channel = HALVES.index(check.half), str(check.channel)
+        used[half] = np.maximum(used[half], np.abs(one[channel] - other[channel]).reshape(used.shape)[half] / check.tolerance)
+    return used.ravel()
 
 
 def outward(quantity: str, difference: float) -> float:

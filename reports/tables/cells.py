@@ -3,7 +3,8 @@
 import math
 from typing import Any, Final
 
-from quickreturn.cases.comparison.engines import CaseResult, Difference
+from quickreturn.cases.comparison.engines import CaseResult
+from quickreturn.cases.comparison.pair import Difference
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.shown import Units
 from quickreturn.cases.motion.catalogue import IN_TABLES, MEASURES, numbers

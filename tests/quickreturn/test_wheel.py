@@ -110,7 +110,7 @@ def test_the_wheel_holds_every_package_with_its_data_and_no_tests(wheel: Path) -
     assert "quickreturn/py.typed" in names
     for needed in ("cases/library/example.toml", "cases/library/thesis/data/runs.csv"):
         assert f"quickreturn/{needed}" in names
-    assert len([name for name in names if name.endswith(".object")]) == 4
+    assert len([name for name in names if name.endswith(".object")]) == 7
     here = {
         f"quickreturn/{path.relative_to(ROOT).as_posix()}"
         for folder in ("reports", "pack")

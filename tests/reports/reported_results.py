@@ -3,7 +3,8 @@
 import dataclasses
 from html.parser import HTMLParser
 
-from quickreturn.cases.comparison.engines import CaseResult, Difference, compare
+from quickreturn.cases.comparison.engines import CaseResult, compare
+from quickreturn.cases.comparison.pair import Difference
 from quickreturn.cases.motion.cycle import EXTREMES, HALVES
 from quickreturn.cases.motion.request import PeriodicOrbit
 from tests.reports.plotted_results import made_up_result, with_run

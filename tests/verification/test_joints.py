@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from quickreturn.cases.comparison.campaign import cross_validate
-from quickreturn.cases.comparison.engines import CaseResult, Difference
+from quickreturn.cases.comparison.engines import CaseResult
+from quickreturn.cases.comparison.pair import Difference
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.library import library_case
 from quickreturn.cases.library.thesis.runs import run_name

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.engines.base import USUAL, Comparison
-from quickreturn.engines.own.beam_engine import BeamEngine, BeamSettings
+from quickreturn.engines.own.beam_engine import EXPLICIT, BeamEngine, BeamSettings
 from quickreturn.engines.settings import setting
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
@@ -33,6 +33,7 @@ class MovingBoundariesSettings(BeamSettings):
     modes: int = setting(2, "modes of the beam supported at the slider", low=1, high=8)
     foreshortening: bool = setting(False, "shortening of the bent beam along the line, to second order: the axial force that stiffens it")
     tolerance: float = setting(1e-7, "local error of the integration, relative to fixed sizes of the states", low=TIGHTEST, high=LOOSEST)
+    integrator: str = setting(EXPLICIT, "DOP853: two or three modes vibrate slowly", choices=(EXPLICIT,))
 
     @property
     def shape_count(self) -> int:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from quickreturn.engines import refusals
 from quickreturn.engines.base import HELD, TOOL, USUAL, Comparison, EstimateOf
 from quickreturn.engines.ladder import Ladder, gain_of
-from quickreturn.engines.own.beam_engine import BeamEngine, BeamSettings
+from quickreturn.engines.own.beam_engine import BeamEngine, BeamSettings, compared_integration
 from quickreturn.engines.settings import setting
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.shapes import ShapeSet, no_shapes
@@ -104,8 +104,8 @@ class RivalEngine(BeamEngine[S]):
         return self.rival.scaled(rung, mechanism) if self.rival.scaled else rung
 
     def comparisons(self, settings: S, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
-        of_shapes = self.rival.comparisons(settings, mechanism)
-        return (*of_shapes, *compared_slowing(settings)) if settings.slows and not mechanism.follower.is_rigid else of_shapes
+        of_slowing = compared_slowing(settings) if settings.slows and not mechanism.follower.is_rigid else ()
+        return (*self.rival.comparisons(settings, mechanism), *of_slowing, *compared_integration(settings))
 
     def finer(self, settings: S, excess: Mapping[str, float], output_step: float) -> S | None:
         return finer_with_slowing(settings, excess, self.rival.finer or self.rival.ladder.finer)

@@ -6,7 +6,8 @@ from typing import Final
 
 import numpy as np
 
-from quickreturn.cases.comparison.engines import CaseResult, Difference, Kind
+from quickreturn.cases.comparison.engines import CaseResult
+from quickreturn.cases.comparison.pair import Difference, Kind
 from quickreturn.cases.motion.cycle import HALVES
 from quickreturn.cases.motion.time_scale import CHANNELS
 from quickreturn.engines.registry import MODEL

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from quickreturn.cases.comparison.engines import CONSENSUS, WAVEFORM, CaseResult, Difference, compare, not_judged
+from quickreturn.cases.comparison.engines import CaseResult, compare, not_judged
+from quickreturn.cases.comparison.pair import CONSENSUS, WAVEFORM, Difference
 from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.motion.consensus import Consensus
 from quickreturn.cases.motion.cycle import ChannelMeasures

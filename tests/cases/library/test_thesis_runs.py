@@ -5,7 +5,8 @@ import math
 import pytest
 
 from quickreturn.cases.comparison.campaign import cross_validate
-from quickreturn.cases.comparison.engines import CONSENSUS, CaseResult, Pair
+from quickreturn.cases.comparison.engines import CaseResult
+from quickreturn.cases.comparison.pair import CONSENSUS, Pair
 from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.library import case_names
 from quickreturn.cases.motion.cycle import HALVES

@@ -62,8 +62,11 @@ def test_every_edit_counts_and_undoing_it_restores(package: Path) -> None:
 
 
 def test_data_files_do_not_count(package: Path) -> None:
+    """Nor what is unpacked beside compiled code."""
     before = fresh("fingerprinted")
     (package / "notes.md").write_text("nothing")
+    (package / "__pycache__/unpacked").mkdir(parents=True)
+    (package / "__pycache__/unpacked/machine.py").write_text("import math\n")
     assert fresh("fingerprinted") == before
 
 
@@ -105,7 +108,7 @@ plugins.studies.sweep.grid.measured_row: cases.files.document cases.files.copies
     not plugins.studies.sweep.study cases.comparison.engines
 plugins.conform.contract.conform: plugins.conform.quantities plugins.conform.rods, not cases.comparison.engines
 cases.motion.steady_state.steady_state: cases.motion.drifting_fit cases.motion.marching plugins.strength.measures,
-    not cases.comparison.engines plugins.strength.words cases.comparison.column_differences plugins.studies.sweep.rows
+    not cases.comparison.engines plugins.strength.words cases.comparison.causes plugins.studies.sweep.rows
 cases.motion.orbit.find_orbit: cases.motion.orbit, not cases.comparison.engines
 cases.motion.solving.answer_to: cases.motion.solving, not cases.files.document cases.motion.steady_state plugins.strength.measures
 plugins.studies.resonance_curve.search.resonance_curve: cases.files.copies cases.files.reading plugins.strength.peak,

@@ -103,6 +103,7 @@ CHANGES = [
     ("reference_model/dop853_loop.py", "INTERPOLATED: Final = ", "INTERPOLATED: Final = 0 + ", False),
     ("reference_model/joint.py", "import math", "import math  # other", False),
     ("reference_model/small.py", "x + x", "2.0 * x", False),
+    ("reference_model/__pycache__/unpacked/machine.py", "import math", "import math  # other", True),
 ]
 #: Prints the hash, and then that with each change alone.
 HASHES = """
@@ -121,6 +122,9 @@ for file, before, after, _ in json.loads(sys.argv[1]):
 
 
 def test_code_is_compiled_anew_where_what_is_compiled_has_changed(installed: Path) -> None:
+    unpacked = installed / "quickreturn/reference_model/__pycache__/unpacked/machine.py"  # what a Python FMU brings, beside compiled code
+    unpacked.parent.mkdir(parents=True, exist_ok=True)
+    unpacked.write_text("import math")
     environment = {"PATH": os.environ["PATH"], "PYTHONPATH": str(installed), "NUMBA_CACHE_DIR": "/tmp"}
     command = [sys.executable, "-P", "-c", HASHES, json.dumps(CHANGES)]
     run = subprocess.run(command, cwd=installed / "quickreturn", env=environment, capture_output=True, text=True, check=True)

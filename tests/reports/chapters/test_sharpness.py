@@ -7,7 +7,8 @@ from collections.abc import Callable, Iterator
 import pytest
 
 from quickreturn.cases.comparison.campaign import cross_validate
-from quickreturn.cases.comparison.engines import KINDS, WAVEFORM, CaseResult, Kind, compare
+from quickreturn.cases.comparison.engines import CaseResult, compare
+from quickreturn.cases.comparison.pair import KINDS, WAVEFORM, Kind
 from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.motion.cycle import EXTREMES, VIBRATION, measure_cycle
 from quickreturn.cases.motion.request import Run

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from quickreturn.cases.comparison.engines import Difference
+from quickreturn.cases.comparison.pair import Difference
 from quickreturn.cases.motion.number import Number
 from quickreturn.plugins.thesis.effects import tightened_words
 from quickreturn.plugins.thesis.page_data import finding_of, inference

@@ -10,6 +10,7 @@ from quickreturn.reports.line_styles import looks
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.plot import Plot
 from quickreturn.reports.page.render import report_page
+from quickreturn.reports.page.view import shown_first
 from quickreturn.reports.words import QUANTITY
 from tests.reports.pages import chapter_of, content_of
 from tests.reports.reported_results import reported_result
@@ -23,7 +24,7 @@ def plots(chapter: str) -> list[Plot]:
 
 
 def test_every_comparison_is_a_dot_at_its_difference_over_the_tolerance() -> None:
-    (plot,) = plots("agreement")
+    plot = plots("agreement")[0]
     checks = [check for result in RESULTS for check in result.checks]
     assert len(checks) > 50
     assert sum(len(series.y) for series in plot.series) == len(checks)
@@ -34,6 +35,17 @@ def test_every_comparison_is_a_dot_at_its_difference_over_the_tolerance() -> Non
             assert (used > 1.0) == (abs(check.number.value - check.other_number.value) > check.tolerance)
             assert text.endswith("of the tolerance")
     assert plot.limit == (1.0, "tolerance")
+
+
+def test_a_curve_of_differences_over_the_tolerance_has_the_largest_difference_of_the_waveforms() -> None:
+    along, result = plots("agreement")[1], shown_first(RESULTS)
+    *engines, limit = along.series
+    assert set(limit.y) == {1.0}
+    assert engines
+    for series in engines:
+        checks = [check for check in result.checks if (check.engine, check.quantity) == (series.name, "largest_difference")]
+        largest = max(abs(check.difference) / check.tolerance for check in checks)
+        assert 0.8 * largest <= max(series.y) <= largest * (1.0 + 1e-9)  # every second crank angle is drawn
 
 
 def test_errors_are_drawn_in_percent() -> None:
