@@ -7,7 +7,7 @@ import math
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,15 @@ from numpy.typing import NDArray
 from quickreturn.engines import refusals
 from quickreturn.engines.base import FRICTION, HELD, ROLLERS, SPIN_UP, TOOL, USUAL, Comparison, NoSteadyState, SteadyState
 from quickreturn.engines.ladder import Ladder, S, gain_of
-from quickreturn.engines.own.beam_engine import LEAST_TOLERANCE, LOOSEST, BeamEngine, BeamSettings, compared_integration, state_of
+from quickreturn.engines.own.beam_engine import (
+    LEAST_TOLERANCE,
+    LOOSEST,
+    BeamEngine,
+    BeamSettings,
+    compared_integration,
+    compared_slowing,
+    state_of,
+)
 from quickreturn.engines.settings import setting
 from quickreturn.engines.start import Start
 from quickreturn.reference_model import slider_constraint
@@ -74,6 +82,9 @@ ALIKE_WITHIN: Final = {1: 4.0, 2: 4.0, 4: 2.0}
 ORBIT_TOLERANCE: Final = 1e-3
 
 
+R = TypeVar("R", bound="ReferenceSettings")
+
+
 @dataclass(frozen=True, kw_only=True)
 class ReferenceSettings(BeamSettings):
     """Settings of `reference`."""
@@ -82,11 +93,15 @@ class ReferenceSettings(BeamSettings):
     tolerance: float = setting(
         1e-7, "local error of the integration, relative to fixed sizes of the states", low=LEAST_TOLERANCE, high=LOOSEST
     )
-    added_inertia: bool = setting(False, "the higher half of the modes has an added inertia and vibrates no faster than the middle one")
 
     @property
     def shape_count(self) -> int:
         return self.modes
+
+    def with_texts(self, texts: dict[str, str]) -> Self:
+        """See `Settings.with_texts`; another number of modes is slowed to another mode, unless that is given too."""
+        changed = super().with_texts(texts)
+        return slowed(changed) if self.slowed_to and "modes" in texts and "slowed_to" not in texts else changed
 
 
 #: Modes, integration tolerance with and without added inertia, and error of the tip deflection in run 24 over 2 s.
@@ -103,14 +118,19 @@ _RUNGS: Final = (
 )
 
 
-def _ladder(column: int, added_inertia: bool) -> Ladder[ReferenceSettings]:
+def slowed(settings: R) -> R:
+    """The settings with the higher half of the modes slowed."""
+    return settings.replaced(slowed_to=unslowed(settings.modes))
+
+
+def _ladder(column: int) -> Ladder[ReferenceSettings]:
     """The rungs, with the tolerance in a column of `_RUNGS`."""
-    rungs = ((ReferenceSettings(modes=rung[0], tolerance=rung[column], added_inertia=added_inertia), rung[-1]) for rung in _RUNGS)
+    rungs = ((ReferenceSettings(modes=rung[0], tolerance=rung[column]), rung[-1]) for rung in _RUNGS)
     return Ladder(tuple(rungs), "modes", "tolerance")
 
 
-#: Ladders with and without added inertia: runs begin on the first and climb to the second.
-SLOWED, AS_THEY_ARE = _ladder(1, True), _ladder(2, False)
+#: Ladders for modes of which the higher half is slowed, and for modes as they are: runs begin on the first and climb to the second.
+SLOWED, AS_THEY_ARE = _ladder(1), _ladder(2)
 
 
 def fitted(ladder: Ladder[S], accuracy: float, scene: Scene) -> S:
@@ -157,9 +177,8 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
             constraint = SliderConstraint(kind=slider_constraint.ROLLERS, rollers=rollers(scene.slider), inertia=inertia)
         elif scene.slider.has_friction:
             constraint = SliderConstraint(kind=MULTIPLIER, stabilization=STABILIZATION)
-        slowed_to = unslowed(settings.modes) if settings.added_inertia else 0
         above = BLOW_RESOLVED * rate_of_blow(scene) if scene.slider.has_corners else 0.0
-        return BeamModel.following(scene, settings.modes, constraint, slowed_to=slowed_to, slowed_above=above, at=at)
+        return BeamModel.following(scene, settings.modes, constraint, slowed_to=settings.slowed_to, slowed_above=above, at=at)
 
     def joint_line(self, scene: Scene, settings: ReferenceSettings) -> str:
         """Rigid, compliant or with friction."""
@@ -175,14 +194,13 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
 
         None is slowed where a shape carries the moment at the base: with an added inertia it would carry a sudden one too late.
         """
-        slowed = scene.crank is not None and not 0.0 < stiffness_ratio(scene) < SOFT_FOLLOWER and not needs_base_shape(scene)
-        ladder = SLOWED if slowed else AS_THEY_ARE
         if not scene.slider.has_corners:
-            return fitted(ladder, accuracy, scene)
+            is_slowed = scene.crank is not None and not 0.0 < stiffness_ratio(scene) < SOFT_FOLLOWER and not needs_base_shape(scene)
+            return slowed(fitted(SLOWED, accuracy, scene)) if is_slowed else fitted(AS_THEY_ARE, accuracy, scene)
         if blow(scene) <= LEAST_BLOW:
-            return fitted(AS_THEY_ARE, accuracy, scene).replaced(added_inertia=True)
+            return slowed(fitted(AS_THEY_ARE, accuracy, scene))
         usual = AS_THEY_ARE.pick(accuracy)
-        return usual.replaced(modes=max(usual.modes, MODES_OF_BLOWS), added_inertia=True)
+        return slowed(usual.replaced(modes=max(usual.modes, MODES_OF_BLOWS)))
 
     def comparisons(self, settings: ReferenceSettings, scene: Scene, output_step: float) -> tuple[Comparison, ...]:
         """A run with more modes and a tolerance to match, which shows the errors of truncation and integration together.
@@ -191,12 +209,17 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         relative difference is then larger in accelerations than in the deflection. With clamped modes the error of the deflection falls
         faster than stated, so that its estimate is a little too large.
         """
-        ladder, in_time = SLOWED if settings.added_inertia else AS_THEY_ARE, compared_integration(settings)
+        ladder, others = SLOWED if settings.slowed_to else AS_THEY_ARE, compared_integration(settings)
+        less_slowed = settings.slowed_to >= unslowed(settings.modes)  # with more modes, whose error includes that by slowing
+        if not less_slowed:
+            others = (*compared_slowing(settings), *others)
         if settings.modes + 2 > MOST_MODES:
-            return (Comparison(settings, ladder.sized(settings, settings.modes - 2), 1.0 / RATIO, of="modes"), *in_time)
+            fewer = ladder.sized(settings, settings.modes - 2)
+            return (Comparison(settings, slowed(fewer) if less_slowed else fewer, 1.0 / RATIO, of="modes"), *others)
 
         def sized(run: ReferenceSettings, modes: int) -> ReferenceSettings:
             usual, tenth = ladder.sized(run, modes), max(TENTH * run.tolerance, LEAST_TOLERANCE)
+            usual = slowed(usual) if less_slowed else usual
             return usual.replaced(tolerance=tenth if scene.slider.has_corners else min(usual.tolerance, tenth))
 
         measured = COMPARED if scene.crank is not None else {}
@@ -204,8 +227,8 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         finer, further = sized(settings, more), None
         if more + 2 <= MOST_MODES:
             further = Comparison(finer, sized(finer, more + 2), RATIO if settings.modes < MODES_WITH_ORDER else SLOWEST_RATIO, of="modes")
-        alike = ALIKE_WITHIN.get(settings.modes, 0.0) if settings.added_inertia else 0.0
-        return (Comparison(settings, finer, ratio, further, alike=alike, of="modes"), *in_time)
+        alike = ALIKE_WITHIN.get(settings.modes, 0.0) if settings.slowed_to else 0.0
+        return (Comparison(settings, finer, ratio, further, alike=alike, of="modes"), *others)
 
     def first_row(self, scene: Scene, start: Start | None, settings: ReferenceSettings, place: float) -> "Trajectory | None":
         """See `Engine.first_row`: with the most modes, in tables about the slider's place."""
@@ -213,13 +236,13 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
             return None
         from quickreturn.engines.own.simulation import OwnSimulation
 
-        model = self.model(scene, settings.replaced(modes=MOST_MODES, added_inertia=False), place)
+        model = self.model(scene, settings.replaced(modes=MOST_MODES, slowed_to=0), place)
         return OwnSimulation(model, state_of(model, scene, start), settings.tolerance, 0.0).advance(0.0, 1.0)
 
     def finer(self, settings: ReferenceSettings, excess: Mapping[str, float], output_step: float) -> ReferenceSettings | None:
-        """The same modes without added inertia, if it slowed any, for they may ring too slowly; else the next rung of the ladder."""
-        plain = settings.replaced(added_inertia=False)
-        if settings.added_inertia and unslowed(settings.modes) < settings.modes:
+        """The same modes as they are, if any was slowed, for they may ring too slowly; else the next rung of the ladder."""
+        plain = settings.replaced(slowed_to=0)
+        if settings.slows:
             return AS_THEY_ARE.sized(plain, settings.modes)
         return AS_THEY_ARE.finer(plain, excess)
 

@@ -61,10 +61,10 @@ def test_ladder_climbs_and_starts_at_the_measured_rung() -> None:
     for accuracy in (0.05, 1e-2, 1e-3, 1e-4):
         begun = ENGINE.settings_for(accuracy, run_24())
         assert SLOWED.claim(begun.modes) <= accuracy
-        assert begun.added_inertia
+        assert begun.slowed_to
         climbed = ENGINE.finer(begun, {}, 1e-3)
         assert (climbed.modes == begun.modes) == (begun.modes > 3)
-        assert not climbed.added_inertia
+        assert not climbed.slowed_to
     rung: ReferenceSettings | None = ENGINE.settings_for(0.05, run_24())
     visited = []
     while rung is not None:

@@ -34,6 +34,7 @@ class MovingBoundariesSettings(BeamSettings):
     foreshortening: bool = setting(False, "shortening of the bent beam along the line, to second order: the axial force that stiffens it")
     tolerance: float = setting(1e-7, "local error of the integration, relative to fixed sizes of the states", low=TIGHTEST, high=LOOSEST)
     integrator: str = setting(EXPLICIT, "DOP853: two or three modes vibrate slowly", choices=(EXPLICIT,))
+    slowed_to: int = setting(0, "no mode is slowed", low=0, high=0)
 
     @property
     def shape_count(self) -> int:

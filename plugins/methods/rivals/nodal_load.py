@@ -5,9 +5,9 @@ from typing import Final
 
 from quickreturn.engines.base import Comparison
 from quickreturn.engines.ladder import Ladder
-from quickreturn.engines.own.beam_engine import time_over_run_24
+from quickreturn.engines.own.beam_engine import BeamSettings, time_over_run_24
 from quickreturn.engines.settings import setting
-from quickreturn.plugins.methods.rivals.rival import Rival, RivalEngine, RivalSettings
+from quickreturn.plugins.methods.rivals.rival import Rival, RivalEngine
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.shapes import ShapeSet, hermite_elements
 from quickreturn.reference_model.slider_constraint import CHORDS, LEVER, MULTIPLIER, SliderConstraint
@@ -27,7 +27,7 @@ _MOST_ELEMENTS: Final = 64
 
 
 @dataclass(frozen=True, kw_only=True)
-class NodalLoadSettings(RivalSettings):
+class NodalLoadSettings(BeamSettings):
     """Settings of `nodal-load`.
 
     Elements vibrate at tens of kHz. The integration's error in that makes a third of a machine's slider force at a tolerance of 1e-7, and

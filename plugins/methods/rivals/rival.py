@@ -1,7 +1,6 @@
 """The engine of the rivals with fixed shapes: a rival is what is in `Rival`, and nothing else distinguishes their engines."""
 
 import math
-from abc import ABC
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Generic, TypeVar
@@ -12,8 +11,15 @@ from numpy.typing import NDArray
 from quickreturn.engines import refusals
 from quickreturn.engines.base import HELD, TOOL, USUAL, Comparison, EstimateOf
 from quickreturn.engines.ladder import Ladder, gain_of
-from quickreturn.engines.own.beam_engine import BeamEngine, BeamSettings, compared_integration
-from quickreturn.engines.settings import setting
+from quickreturn.engines.own.beam_engine import (
+    IMPLICIT,
+    LEAST_TOLERANCE,
+    ORDER_OF_SLOWING,
+    BeamEngine,
+    BeamSettings,
+    compared_integration,
+    compared_slowing,
+)
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.shapes import ShapeSet, no_shapes
 from quickreturn.reference_model.slider_constraint import CLOSED, SliderConstraint
@@ -24,29 +30,13 @@ if TYPE_CHECKING:
 
 #: Fraction of the accuracy for the error by slowing.
 SHARE_OF_SLOWING: Final = 0.3
-#: Least error by slowing of the run that a run is compared with, over that of the run. In runs 24 and 17 (1 s, 7 and 12 shapes, slowed to
-#: modes 1 to 5, four columns) the estimate was 1.3 to 76 times the error.
-SLOWED_MORE: Final = 2.0
-#: Order of the error in the number of the mode, and the largest factor on that at once.
-ORDER_OF_SLOWING: Final = 4.0
+#: Fraction of the accuracy for the error of the implicit integration, and the smallest factor on the tolerance at once.
+SHARE_OF_TIME: Final = 0.2
+LEAST_AT_ONCE: Final = 0.01
+#: Largest factor on the number of the slowest slowed mode at once.
 MOST_AT_ONCE: Final = 2.0
 
-
-@dataclass(frozen=True, kw_only=True)
-class RivalSettings(BeamSettings, ABC):
-    """Settings that all rivals share."""
-
-    slowed_to: int = setting(
-        0, "number of the mode to whose frequency an added inertia slows all higher ones of the clamped follower; 0: none", low=0, high=128
-    )
-
-    @property
-    def slows(self) -> bool:
-        """Whether any mode of a flexible follower is slowed."""
-        return 0 < self.slowed_to < self.shape_count
-
-
-S = TypeVar("S", bound=RivalSettings)
+S = TypeVar("S", bound=BeamSettings)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -104,11 +94,11 @@ class RivalEngine(BeamEngine[S]):
         return self.rival.scaled(rung, mechanism) if self.rival.scaled else rung
 
     def comparisons(self, settings: S, mechanism: Mechanism, output_step: float) -> tuple[Comparison, ...]:
-        of_slowing = compared_slowing(settings) if settings.slows and not mechanism.follower.is_rigid else ()
+        of_slowing = () if mechanism.follower.is_rigid else compared_slowing(settings)
         return (*self.rival.comparisons(settings, mechanism), *of_slowing, *compared_integration(settings))
 
     def finer(self, settings: S, excess: Mapping[str, float], output_step: float) -> S | None:
-        return finer_with_slowing(settings, excess, self.rival.finer or self.rival.ladder.finer)
+        return finer_by_parts(settings, excess, self.rival.finer or self.rival.ladder.finer)
 
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: S) -> NDArray[np.float64]:
         if self.rival.natural_frequencies is None:
@@ -117,29 +107,19 @@ class RivalEngine(BeamEngine[S]):
         return np.zeros(0) if mechanism.follower.is_rigid else self.rival.natural_frequencies(mechanism, crank_angle, count)
 
 
-def compared_slowing(settings: S) -> tuple[Comparison, ...]:
-    """The comparison that shows the error by slowing: with a run slowed to a lower mode, or from the first one to the second.
-
-    A motion at omega finds the compliance of a slowed mode wrong by a part below omega^2 / omega_c^2 (equation 5.15), and the clamped
-    follower's omega_c^2 rises as (c - 1/2)^4.
-    """
-    lower = int((settings.slowed_to - 0.5) / SLOWED_MORE ** (1.0 / ORDER_OF_SLOWING) + 0.5)
-    other, factor = (lower, SLOWED_MORE) if lower > 0 else (settings.slowed_to + 1, 1.0 / SLOWED_MORE)
-    return (Comparison(settings, settings.replaced(slowed_to=other), factor, of="slowing"),)
-
-
-def finer_with_slowing(settings: S, excess: Mapping[str, float], finer: Callable[[S, Mapping[str, float]], S | None]) -> S | None:
-    """What `finer` makes of the other parts of an excess, with modes slowed less if that part is too large; None if neither helps."""
-    if not settings.slows:
-        return finer(settings, excess)
-    slowing = excess.get("slowing", 0.0)
-    others = {of: part for of, part in excess.items() if of != "slowing"}
+def finer_by_parts(settings: S, excess: Mapping[str, float], finer: Callable[[S, Mapping[str, float]], S | None]) -> S | None:
+    """What `finer` makes of an excess, with modes slowed less and a smaller tolerance where those parts are too large, or None."""
+    shares = {"slowing": SHARE_OF_SLOWING if settings.slows else 0.0, "time": SHARE_OF_TIME if settings.integrator == IMPLICIT else 0.0}
+    slowing, in_time = (excess.get(of, 0.0) / share if share else 0.0 for of, share in shares.items())
+    others = {of: part for of, part in excess.items() if of not in shares}
     climbed: S | None = settings
-    if not excess or sum(others.values()) > 1.0 - SHARE_OF_SLOWING:
+    if not excess or sum(others.values()) > 1.0 - sum(shares.values()):
         climbed = finer(settings, others)
-    if excess and slowing <= SHARE_OF_SLOWING and climbed != settings:
-        return climbed
-    times = min((slowing / SHARE_OF_SLOWING) ** (1.0 / ORDER_OF_SLOWING), MOST_AT_ONCE)
-    raised = max(settings.slowed_to + 1, math.ceil(times * settings.slowed_to))
-    base = climbed or settings
-    return base.replaced(slowed_to=raised if raised < base.shape_count else 0)
+    found = climbed or settings
+    if in_time > 1.0:
+        found = found.replaced(tolerance=max(min(found.tolerance, max(1.0 / in_time, LEAST_AT_ONCE) * settings.tolerance), LEAST_TOLERANCE))
+    if settings.slows and (not excess or slowing > 1.0):
+        times = min(slowing ** (1.0 / ORDER_OF_SLOWING), MOST_AT_ONCE)
+        raised = max(settings.slowed_to + 1, math.ceil(times * settings.slowed_to))
+        found = found.replaced(slowed_to=raised if raised < found.shape_count else 0)
+    return found if found != settings else None

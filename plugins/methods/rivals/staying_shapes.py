@@ -5,14 +5,14 @@ from typing import Final, TypeVar
 
 from quickreturn.engines.base import Comparison
 from quickreturn.engines.ladder import Ladder
+from quickreturn.engines.own.beam_engine import BeamSettings
 from quickreturn.engines.settings import setting
-from quickreturn.plugins.methods.rivals.rival import RivalSettings
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.shapes import ShapeSet, clamped_free_modes, hermite_elements
 
 
 @dataclass(frozen=True, kw_only=True)
-class ShapeSettings(RivalSettings):
+class ShapeSettings(BeamSettings):
     """Settings of the engines that accept any fixed shapes."""
 
     shapes: int = setting(12, "number of shapes (with Hermite elements: two per element)", low=1, high=64)

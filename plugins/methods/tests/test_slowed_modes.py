@@ -8,6 +8,7 @@ import pytest
 from scipy.optimize import brentq
 
 from quickreturn.engines.base import Engine
+from quickreturn.engines.own.beam_engine import BeamSettings
 from quickreturn.engines.relative import relative_error
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory
@@ -15,7 +16,6 @@ from quickreturn.plugins.methods.rivals import fixed_shapes, multiplier, nodal_l
 from quickreturn.plugins.methods.rivals.fixed_shapes import FixedShapesSettings
 from quickreturn.plugins.methods.rivals.multiplier import MultiplierSettings
 from quickreturn.plugins.methods.rivals.nodal_load import NodalLoadSettings
-from quickreturn.plugins.methods.rivals.rival import RivalSettings
 from quickreturn.plugins.methods.rivals.stiff_spring import StiffSpringSettings
 from quickreturn.reference_model.mechanism import Crank, PrescribedSpeed
 from tests.engines.energy import from_nowhere
@@ -35,7 +35,7 @@ METHODS = {
 each_method = pytest.mark.parametrize(("chosen", "settings"), METHODS.values(), ids=METHODS)
 
 
-def run(chosen: Engine, settings: RivalSettings) -> Trajectory:
+def run(chosen: Engine, settings: BeamSettings) -> Trajectory:
     scene = run_24()
     return chosen.prepare(scene, standard_start(scene), settings).advance(DURATION, 1e-3)
 
@@ -54,7 +54,7 @@ def test_added_inertia_is_that_of_the_clamped_beams_frequencies(slowed_to: int) 
 
 
 @each_method
-def test_energy_balances_with_that_of_the_added_inertia(chosen: Engine, settings: RivalSettings) -> None:
+def test_energy_balances_with_that_of_the_added_inertia(chosen: Engine, settings: BeamSettings) -> None:
     crank = Crank(length=run_24().crank.length, drive=PrescribedSpeed(speed=16.6), mass=1.0, center_of_mass=0.0)
     scene = replace(run_24(), crank=crank)
     trajectory = chosen.prepare(scene, standard_start(scene), settings).advance(DURATION, 1e-3)
@@ -62,7 +62,7 @@ def test_energy_balances_with_that_of_the_added_inertia(chosen: Engine, settings
 
 
 @each_method
-def test_what_slowing_does_is_below_its_estimate_and_saves_right_hand_sides(chosen: Engine, settings: RivalSettings) -> None:
+def test_what_slowing_does_is_below_its_estimate_and_saves_right_hand_sides(chosen: Engine, settings: BeamSettings) -> None:
     """Against the same shapes as they are: the error is visible, and the comparison for it shows more."""
     slowed, plain = run(chosen, settings), run(chosen, settings.replaced(slowed_to=0))
     pair = next(pair for pair in chosen.comparisons(settings, run_24(), 1e-3) if pair.of == "slowing")
@@ -103,7 +103,7 @@ def test_inertia_beside_the_spring_keeps_its_error_of_first_order_in_the_complia
 
 
 @each_method
-def test_finer_settings_slow_less_where_that_is_the_larger_part(chosen: Engine, settings: RivalSettings) -> None:
+def test_finer_settings_slow_less_where_that_is_the_larger_part(chosen: Engine, settings: BeamSettings) -> None:
     of_shapes = "space" if chosen.name == "nodal-load" else "modes"
     scarce = chosen.finer(settings, {"slowing": 3.0, of_shapes: 0.1}, 1e-3)
     assert scarce == settings.replaced(slowed_to=6)  # the error falls 16-fold

@@ -68,7 +68,7 @@ def test_multipliers_err_by_no_more_than_they_claim(speed: float) -> None:
     """At 60 rpm the largest one is complex; two models with the same slow modes differ by a hundredth of the error."""
     scene = at(speed)
     found = row([scene], MeasureRequest(measures=("multiplier", "multiplier.real", "multiplier.imag")))
-    orbit = ReferenceEngine().steady_state(scene, standard_start(scene), ReferenceSettings(modes=6, tolerance=1e-9, added_inertia=False))
+    orbit = ReferenceEngine().steady_state(scene, standard_start(scene), ReferenceSettings(modes=6, tolerance=1e-9))
     assert orbit is not None
     assert isinstance(orbit.simulation.model, BeamModel)
     whole = floquet_multipliers(orbit.simulation.model, orbit.orbit, 1e-9)[0]
