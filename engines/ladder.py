@@ -1,5 +1,6 @@
 """One ladder for all engines: settings from coarse to fine, what each of them claims, and how to climb from one to the next."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -12,6 +13,8 @@ from quickreturn.reference_model.natural_modes import stiffness_ratio
 S = TypeVar("S", bound=Settings)
 Climbing = TypeVar("Climbing", bound=Settings)
 
+#: Tolerance of an explicit integration over the accuracy, where a scene needs fewer shapes than run 24.
+TOLERANCE_PER_ACCURACY: Final = 1e-4
 #: `stiffness_ratio` of run 24, on which the ladders were measured.
 RATIO_OF_RUN_24: Final = 4.1
 #: What is known of an estimate that there is not.
@@ -61,6 +64,15 @@ class Ladder(Generic[S]):
 
     def _first(self, size: int) -> tuple[S, float]:
         return next((rung for rung in self.rungs if getattr(rung[0], self.size) >= size), self.rungs[-1])
+
+
+def fitted(ladder: Ladder[S], accuracy: float, scene: Scene, tolerance_per_accuracy: float = TOLERANCE_PER_ACCURACY) -> S:
+    """The coarsest rung for a scene; if that is coarser than run 24 needs, with a tolerance that fits the accuracy, a power of ten."""
+    rung = ladder.pick(accuracy, gain_of(scene))
+    if rung == ladder.pick(accuracy):
+        return rung
+    fit = 10.0 ** math.floor(math.log10(tolerance_per_accuracy * accuracy) + 1e-9)
+    return rung.replaced(**{ladder.tolerance: min(getattr(rung, ladder.tolerance), fit)})
 
 
 def gain_of(scene: Scene) -> float:

@@ -43,16 +43,22 @@ ORDER_OF_SLOWING: Final = 4.0
 MOST_SHAPES: Final = 128
 
 
+def tolerance(default: float, low: float = LEAST_TOLERANCE, high: float = LOOSEST) -> float:
+    """The setting of that name."""
+    return setting(default, "local error of the integration, relative to fixed sizes of the states", low=low, high=high)
+
+
+def integrator(default: str, choices: tuple[str, ...] = (EXPLICIT, IMPLICIT)) -> str:
+    """The setting of that name."""
+    return setting(default, "explicit: DOP853; implicit: Radau IIA of order 5, whose steps fast vibrations do not bound", choices=choices)
+
+
 @dataclass(frozen=True, kw_only=True)
 class BeamSettings(Settings, ABC):
     """Settings that all these engines share."""
 
-    tolerance: float = setting(
-        1e-9, "local error of the integration, relative to fixed sizes of the states", low=LEAST_TOLERANCE, high=LOOSEST
-    )
-    integrator: str = setting(
-        EXPLICIT, "explicit: DOP853; implicit: Radau IIA of order 5, whose steps fast vibrations do not bound", choices=(EXPLICIT, IMPLICIT)
-    )
+    tolerance: float = tolerance(1e-5)
+    integrator: str = integrator(IMPLICIT)
     slowed_to: int = setting(
         0, "number of the mode to whose frequency an added inertia slows all higher ones; 0: none", low=0, high=MOST_SHAPES
     )

@@ -14,15 +14,17 @@ from numpy.typing import NDArray
 
 from quickreturn.engines import refusals
 from quickreturn.engines.base import FRICTION, HELD, ROLLERS, SPIN_UP, TOOL, USUAL, Comparison, NoSteadyState, SteadyState
-from quickreturn.engines.ladder import Ladder, S, gain_of
+from quickreturn.engines.ladder import Ladder, fitted
 from quickreturn.engines.own.beam_engine import (
+    EXPLICIT,
     LEAST_TOLERANCE,
-    LOOSEST,
     BeamEngine,
     BeamSettings,
     compared_integration,
     compared_slowing,
+    integrator,
     state_of,
+    tolerance,
 )
 from quickreturn.engines.settings import setting
 from quickreturn.engines.start import Start
@@ -41,9 +43,6 @@ if TYPE_CHECKING:
     from quickreturn.engines.own.found_orbit import FoundOrbit
     from quickreturn.engines.trajectory import Trajectory
     from quickreturn.reference_model.model import BeamModel
-
-#: Tolerance over the accuracy, where a scene needs fewer modes than run 24.
-TOLERANCE_PER_ACCURACY: Final = 1e-4
 
 #: Modes -> modes of the finer run for the error estimate, and its error over that of the run.
 COMPARED: Final = {1: (4, 0.2), 2: (5, 0.5), 3: (6, 0.25), 4: (7, 0.2)}
@@ -90,9 +89,8 @@ class ReferenceSettings(BeamSettings):
     """Settings of `reference`."""
 
     modes: int = setting(5, "modes of the beam supported at the slider", low=1, high=MOST_MODES)
-    tolerance: float = setting(
-        1e-7, "local error of the integration, relative to fixed sizes of the states", low=LEAST_TOLERANCE, high=LOOSEST
-    )
+    tolerance: float = tolerance(1e-7)
+    integrator: str = integrator(EXPLICIT)
 
     @property
     def shape_count(self) -> int:
@@ -131,15 +129,6 @@ def _ladder(column: int) -> Ladder[ReferenceSettings]:
 
 #: Ladders for modes of which the higher half is slowed, and for modes as they are: runs begin on the first and climb to the second.
 SLOWED, AS_THEY_ARE = _ladder(1), _ladder(2)
-
-
-def fitted(ladder: Ladder[S], accuracy: float, scene: Scene) -> S:
-    """The coarsest rung for a scene; if that has fewer modes than run 24 needs, with a tolerance that fits the accuracy."""
-    rung = ladder.pick(accuracy, gain_of(scene))
-    if rung == ladder.pick(accuracy):
-        return rung
-    fit = 10.0 ** math.floor(math.log10(TOLERANCE_PER_ACCURACY * accuracy) + 1e-9)
-    return rung.replaced(tolerance=min(rung.as_dict()["tolerance"], fit))
 
 
 class ReferenceEngine(BeamEngine[ReferenceSettings]):

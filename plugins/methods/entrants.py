@@ -7,9 +7,10 @@ from typing import Final
 
 from quickreturn.plugins.methods.row import Row
 
+DOP853, RADAU = "DOP853", "Radau IIA"
 COMPILED: Final = "this project’s, compiled for this mechanism"
 #: Order of the integrators: a tenth of the error takes 10^(1/order) times as many steps.
-ORDERS: Final[Mapping[str, int]] = {"DOP853": 8, "Radau IIA": 5, "generalized-alpha": 2, "leapfrog": 2}
+ORDERS: Final[Mapping[str, int]] = {DOP853: 8, RADAU: 5, "generalized-alpha": 2, "leapfrog": 2}
 
 
 @dataclass(frozen=True)
@@ -18,7 +19,7 @@ class Entrant:
 
     shapes: str
     constraint: str
-    integrator: str = "DOP853"
+    integrator: str = DOP853
     implementation: str = COMPILED
     note: str = ""  # what the name does not tell
 
@@ -34,10 +35,10 @@ _ENTRANTS: Final[Mapping[str, Entrant]] = {
         "elements, second-order geometry", "eliminated", "LSODA", "this project’s, scipy’s loop", "one element is the thesis as published"
     ),
     "reference": Entrant("modes that follow the slider", "eliminated"),
-    "fixed-shapes": Entrant(_FIXED, "eliminated"),
-    "multiplier": Entrant(_FIXED, "multiplier"),
-    "stiff-spring": Entrant(_FIXED, "stiff spring"),
-    "nodal-load": Entrant("elements", "force on two nodes, lever rule"),
+    "fixed-shapes": Entrant(_FIXED, "eliminated", RADAU),
+    "multiplier": Entrant(_FIXED, "multiplier", RADAU),
+    "stiff-spring": Entrant(_FIXED, "stiff spring", RADAU),
+    "nodal-load": Entrant("elements", "force on two nodes, lever rule", RADAU),
     "moving-boundaries": Entrant("modes that follow the slider", "known place on a line", note="linear, at a prescribed speed"),
     "exudyn": Entrant("ANCF cable elements", "ALE joint", "generalized-alpha", "Exudyn", "Exudyn’s own joint, solver and time integration"),
     "mujoco": Entrant("links", "multiplier", "leapfrog", "MuJoCo’s dynamics", "our chain, multiplier and time loop on MuJoCo"),
@@ -49,7 +50,8 @@ _CHOICES: Final[Mapping[str, Mapping[str, str]]] = {
     "both linear": {"constraint": "force on two nodes, slider on the chords"},
     "sliding": {"constraint": "sliding joint"},
     "exact": {"shapes": "elements", "note": "exact geometry"},
-    "implicit": {"integrator": "Radau IIA"},
+    "implicit": {"integrator": RADAU},
+    "explicit": {"integrator": DOP853},
 }
 
 

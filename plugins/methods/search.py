@@ -26,8 +26,8 @@ TIME_ERRORS: Final = ("tolerance", "step")
 OTHERS: Final = ("slowed_to", "joint_inertia", "stiffness", "damping")
 #: Factors of a step along an axis of real and of whole numbers, coarse to fine.
 STEPS: Final = ((10.0, 1.5), (10.0**0.5, 1.25), (10.0**0.25, 1.1))
-#: First value along one of the others that is off, which is 0.
-FIRST: Final = 4
+#: First value along an axis that is off, which is 0: the number of a mode, and the inertia (kg) that slows 1e6 N/m to some 500 Hz.
+FIRST: Final = {"slowed_to": 4, "joint_inertia": 0.1}
 #: Errors that differ by no more than this factor count as equal while a level is missed.
 ALIKE: Final = 1.05
 
@@ -81,8 +81,8 @@ def _moves(field: "Field[Any]", value: Any, step: tuple[float, float]) -> _Moves
     if isinstance(value, bool):
         return _Moves(bool, [not value], [not value])
     low, high = field.metadata.get("low", -math.inf), field.metadata.get("high", math.inf)
-    if value == 0 and field.name in OTHERS and low <= FIRST <= high:  # what is off may be on
-        return _Moves(object, [type(value)(FIRST)], [type(value)(FIRST)])
+    if value == 0 and low <= (first := FIRST.get(field.name, -math.inf)) <= high:  # what is off may be on
+        return _Moves(object, [first], [first])
     if isinstance(value, int):
         apart = max(1, round(value * (step[1] - 1.0)))
         return _Moves(int, [each for each in [value - apart] if each >= low], [each for each in [value + apart] if each <= high])

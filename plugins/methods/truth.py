@@ -70,7 +70,7 @@ def truth_by_itself(case: Case) -> Truth:
     """
     usual = settings_of(TRUTH[0], {}, case)
     modes, tolerance = usual.as_dict()["modes"], max(0.1 * usual.as_dict()["tolerance"], 1e-12)
-    coarse, fine = (usual.replaced(modes=min(modes + more, 13), tolerance=tolerance) for more in (2, 6))
+    coarse, fine = (usual.with_texts({"modes": str(min(modes + more, 13)), "tolerance": str(tolerance)}) for more in (2, 6))
     trajectory, end = _marched(case, fine)
     second, _ = _marched(case, coarse)
     row = Row(scene=case.name, engine=TRUTH[0], settings=coarse.as_dict(), errors=errors_of(second, trajectory))

@@ -185,9 +185,9 @@ def test_a_follower_that_is_held_bends_as_the_elastica(name: str, force: tuple[f
     scene = prescribed(run_24(tip={key: force}, follower={"damping": 3.0}, crank={"initial_angle": 0.0}), 1e-9)
     expected, across = deflected(scene, complex(*force), follows)
     assert abs(expected) > 0.03 * scene.follower.length
-    settings = {"reference": {"modes": 5}, "mujoco": {"links": 24}, "exudyn": {"elements": 16}}[name]
+    settings = {"reference": {"modes": "5"}, "mujoco": {"links": "24"}, "exudyn": {"elements": "16"}}[name]
     chosen = engine(name)
-    run = chosen.prepare(scene, standard_start(scene), chosen.settings_for(1e-2, scene).replaced(**settings)).advance(4.0, 2e-2)
+    run = chosen.prepare(scene, standard_start(scene), chosen.settings_for(1e-2, scene).with_texts(settings)).advance(4.0, 2e-2)
     within = {"reference": 2e-4, "mujoco": 3e-3, "exudyn": 2e-3}[name]
     assert run["tip_deflection"][-1] == pytest.approx(expected, rel=within)
     assert run["slider_force"][-1] == pytest.approx(across, rel=within)

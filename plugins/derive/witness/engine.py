@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from quickreturn.engines import refusals
 from quickreturn.engines.base import HELD, SPRING, TOOL, USUAL, Comparison, Engine, ModelDescription, Refusal, installed
-from quickreturn.engines.ladder import Ladder
+from quickreturn.engines.ladder import Ladder, fitted
 from quickreturn.engines.own.beam_engine import ELIMINATED_SLIDER, description
-from quickreturn.engines.own.reference import ALIKE_WITHIN, COMPARED, MODES_WITH_ORDER, RATIO, SLOWEST_RATIO, fitted
+from quickreturn.engines.own.reference import ALIKE_WITHIN, COMPARED, MODES_WITH_ORDER, RATIO, SLOWEST_RATIO
 from quickreturn.engines.settings import Settings, setting
 from quickreturn.engines.start import Start
 from quickreturn.reference_model.mechanism import Mechanism, Scene

@@ -50,7 +50,7 @@ def _nodes(length: float, support: float, elements: int) -> NDArray[np.float64]:
 ENGINE: Final = RivalEngine(
     Rival(
         name="fixed-shapes",
-        method="pseudo-coordinate at the coupler, fixed shapes, exact planar geometry, equilibrium recovery, DOP853",
+        method="pseudo-coordinate at the coupler, fixed shapes, exact planar geometry, equilibrium recovery, Radau IIA",
         default_accuracy=3e-3,
         settings_type=FixedShapesSettings,
         quantities=(*USUAL, *TOOL, "slider.inertia", SPIN_UP),

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.engines.base import USUAL, Comparison
-from quickreturn.engines.own.beam_engine import EXPLICIT, BeamEngine, BeamSettings
+from quickreturn.engines.own.beam_engine import EXPLICIT, BeamEngine, BeamSettings, integrator, tolerance
 from quickreturn.engines.settings import setting
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
@@ -32,8 +32,8 @@ class MovingBoundariesSettings(BeamSettings):
 
     modes: int = setting(2, "modes of the beam supported at the slider", low=1, high=8)
     foreshortening: bool = setting(False, "shortening of the bent beam along the line, to second order: the axial force that stiffens it")
-    tolerance: float = setting(1e-7, "local error of the integration, relative to fixed sizes of the states", low=TIGHTEST, high=LOOSEST)
-    integrator: str = setting(EXPLICIT, "DOP853: two or three modes vibrate slowly", choices=(EXPLICIT,))
+    tolerance: float = tolerance(1e-7, low=TIGHTEST, high=LOOSEST)
+    integrator: str = integrator(EXPLICIT, choices=(EXPLICIT,))
     slowed_to: int = setting(0, "no mode is slowed", low=0, high=0)
 
     @property

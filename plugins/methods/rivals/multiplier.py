@@ -40,7 +40,7 @@ def scaled(settings: MultiplierSettings, mechanism: Mechanism) -> MultiplierSett
 ENGINE: Final = RivalEngine(
     Rival(
         name="multiplier",
-        method="Lagrange multiplier at the slider, index-1 form stabilized, fixed shapes, exact planar geometry, DOP853",
+        method="Lagrange multiplier at the slider, index-1 form stabilized, fixed shapes, exact planar geometry, Radau IIA",
         default_accuracy=3e-3,
         settings_type=MultiplierSettings,
         quantities=(*USUAL, *TOOL, *FRICTION, "follower.material_damping"),

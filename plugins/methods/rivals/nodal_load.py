@@ -30,8 +30,8 @@ _MOST_ELEMENTS: Final = 64
 class NodalLoadSettings(BeamSettings):
     """Settings of `nodal-load`.
 
-    Elements vibrate at tens of kHz. The integration's error in that makes a third of a machine's slider force at a tolerance of 1e-7, and
-    a percent at 1e-9.
+    Elements vibrate at tens of kHz. The explicit integration's error in that makes a third of a machine's slider force at a tolerance of
+    1e-7, and a percent at 1e-9.
     """
 
     elements: int = setting(12, "cubic Hermite elements of equal length", low=1, high=64)
@@ -103,7 +103,7 @@ def comparisons(settings: NodalLoadSettings, mechanism: Mechanism) -> tuple[Comp
 ENGINE: Final = RivalEngine(
     Rival(
         name="nodal-load",
-        method="Hermite elements, slider force shared between two nodes, index-1 form stabilized, exact planar geometry, DOP853",
+        method="Hermite elements, slider force shared between two nodes, index-1 form stabilized, exact planar geometry, Radau IIA",
         default_accuracy=1e-1,
         estimates="unverified",
         settings_type=NodalLoadSettings,

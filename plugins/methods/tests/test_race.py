@@ -49,7 +49,7 @@ def found(tmp_path_factory: pytest.TempPathFactory) -> tuple[Race, Workshop]:
 
 def test_every_row_has_its_errors_counts_and_times(found: tuple[Race, Workshop]) -> None:
     made, _ = found
-    assert {row.method for row in made.given} == {"reference", "thesis", "thesis, exact"}
+    assert {row.method for row in made.given} == {"reference", "reference, implicit", "thesis", "thesis, exact"}
     for row in made.given:
         assert row.status == "completed", row.settings
         assert set(row.errors) == set(ESTIMATED)

@@ -24,12 +24,15 @@ from tests.engines.scenes import run_24
 CHANNELS = ("tip_deflection", "tip_acceleration", "strain_2", "slider_force")
 DURATION, TOLERANCE = 0.3, 1e-7
 METHODS = {
-    "fixed-shapes": (fixed_shapes.ENGINE, FixedShapesSettings(shapes=8, tolerance=TOLERANCE, slowed_to=3)),
-    "multiplier": (multiplier.ENGINE, MultiplierSettings(shapes=8, tolerance=TOLERANCE, slowed_to=3)),
-    "stiff-spring": (stiff_spring.ENGINE, StiffSpringSettings(shapes=8, tolerance=TOLERANCE, slowed_to=3, joint_inertia=0.2)),
+    "fixed-shapes": (fixed_shapes.ENGINE, FixedShapesSettings(shapes=8, tolerance=TOLERANCE, integrator="explicit", slowed_to=3)),
+    "multiplier": (multiplier.ENGINE, MultiplierSettings(shapes=8, tolerance=TOLERANCE, integrator="explicit", slowed_to=3)),
+    "stiff-spring": (
+        stiff_spring.ENGINE,
+        StiffSpringSettings(shapes=8, tolerance=TOLERANCE, integrator="explicit", slowed_to=3, joint_inertia=0.2),
+    ),
     "nodal-load": (
         nodal_load.ENGINE,
-        NodalLoadSettings(elements=6, tolerance=TOLERANCE, slowed_to=3, distribution="consistent"),
+        NodalLoadSettings(elements=6, tolerance=TOLERANCE, integrator="explicit", slowed_to=3, distribution="consistent"),
     ),
 }
 each_method = pytest.mark.parametrize(("chosen", "settings"), METHODS.values(), ids=METHODS)
@@ -77,7 +80,7 @@ def test_what_slowing_does_is_below_its_estimate_and_saves_right_hand_sides(chos
 
 
 def test_the_comparison_is_with_modes_at_most_half_as_stiff_and_absent_where_none_is_slowed() -> None:
-    scene, settings = run_24(), FixedShapesSettings(shapes=24)
+    scene, settings = run_24(), FixedShapesSettings(shapes=24, integrator="explicit")
     for slowed_to in range(2, 24):
         pairs = fixed_shapes.ENGINE.comparisons(settings.replaced(slowed_to=slowed_to), scene, 1e-3)
         other = next(pair.other for pair in pairs if pair.of == "slowing").slowed_to
