@@ -28,7 +28,7 @@ from quickreturn.plugins.methods.signed import Line, settings_for
 from quickreturn.plugins.methods.truth import CONFIRMING_ONE, TRUTH, Truth, run_of, truth_by_itself, truth_of
 
 #: Solve time (s) beyond which a run is not made, as its first part foretells.
-LONG: Final = 2.0
+LONG: Final = 4.0
 #: Processor time (s) for the answer to a request for an error.
 PATIENCE: Final = 10.0
 #: Repetitions of a run on a front in turns, and the largest sum of their solve times, s.
@@ -44,6 +44,7 @@ class Contest:
     engines: tuple[str, ...]
     levels: tuple[float, ...] = LEVELS  # of the error
     runs: int = RUNS  # of each combination at most; 0: the engines are only asked for the levels
+    usual: bool = False  # only the usual one of an engine's choices is tried
     lines: tuple[Line, ...] = ()  # settings that somebody chose
     patience: float = PATIENCE  # processor time (s) for an answer
 
@@ -136,9 +137,9 @@ def raced(case: Case, contest: Contest, truth: Truth) -> list[Row]:
         with suppress(EngineFailure, Refusal, SettingError):  # it loads what is compiled; errors show in the rows
             first_part(chosen, case, chosen.settings_for(contest.levels[0], case.mechanism))
         rows += [replace(tried(chosen, case, settings_for(line, case.mechanism), truth), signed=line.signed_by) for line in contest.lines]
-        for combination in combinations(chosen):
+        for combination in combinations(chosen)[: 1 if contest.usual else None]:
             seeds = combination.seeds(contest.levels, case.mechanism)
-            rows += search(seeds, contest.levels, contest.runs, lambda settings: tried(chosen, case, settings, truth))
+            rows += search(seeds, contest.levels, contest.runs, lambda settings: tried(chosen, case, settings, truth), case.output_step)
     levels = {*contest.levels, chosen.default_accuracy} if contest.runs else contest.levels
     return rows + [asked(chosen, case, level, truth, contest.patience) for level in sorted(levels, reverse=True)]
 

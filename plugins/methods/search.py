@@ -20,9 +20,9 @@ from quickreturn.plugins.methods.row import Row, choices_of
 from quickreturn.reference_model.mechanism import Mechanism
 
 #: Runs of a combination at most.
-RUNS: Final = 32
+RUNS: Final = 40
 #: Real numbers that are axes: those of the integration's error, which are cheaper the larger they are, and those that may help either way.
-TIME_ERRORS: Final = ("tolerance", "step")
+TIME_ERRORS: Final = ("tolerance", "newton_tolerance", "step")
 OTHERS: Final = ("slowed_to", "joint_inertia", "stiffness", "damping")
 #: Factors of a step along an axis of real and of whole numbers, coarse to fine.
 STEPS: Final = ((10.0, 1.5), (10.0**0.5, 1.25), (10.0**0.25, 1.1))
@@ -40,8 +40,12 @@ class Combination:
     choices: Mapping[str, str]  # setting -> text
 
     def seeds(self, levels: Sequence[float], mechanism: Mechanism) -> list[Settings]:
-        """What the engine takes for each level of the error, with the choices of this combination."""
-        found = (self.engine.settings_for(level, mechanism).with_texts(dict(self.choices)) for level in levels)
+        """What the engine takes for each level of the error and for three times that, with the choices of this combination.
+
+        An engine's own choice leaves room for its estimate of the error, which is often several times the error.
+        """
+        wanted = (factor * level for level in levels for factor in (3.0, 1.0))
+        found = (self.engine.settings_for(level, mechanism).with_texts(dict(self.choices)) for level in wanted)
         return list(dict.fromkeys(found))
 
 
@@ -51,12 +55,14 @@ def combinations(engine: AnyEngine) -> list[Combination]:
     return [Combination(engine, dict(zip(choices, texts, strict=True))) for texts in itertools.product(*choices.values())]
 
 
-def neighbours(settings: Settings, step: tuple[float, float], finer: bool) -> Iterator[Settings]:
+def neighbours(settings: Settings, step: tuple[float, float], finer: bool, longest: float = math.inf) -> Iterator[Settings]:
     """Settings one step away: finer ones or cheaper ones along each axis, both ways where the axis does not tell; then trades.
+
+    No time step becomes longer than `longest` (s), the one of the rows.
 
     A trade makes a whole number finer and an error of the integration cheaper, or the other way round.
     """
-    axes = [(field.name, moves) for field in fields(settings) if (moves := _moves(field, getattr(settings, field.name), step))]
+    axes = [(field.name, moves) for field in fields(settings) if (moves := _moves(field, getattr(settings, field.name), step, longest))]
     changes = [{name: value} for name, moves in axes for value in (moves.finer if finer else moves.cheaper)]
     whole, real = (next(((name, moves) for name, moves in axes if moves.kind is kind), None) for kind in (int, float))
     if whole and real:
@@ -76,7 +82,7 @@ class _Moves:
     finer: Sequence[Any]
 
 
-def _moves(field: "Field[Any]", value: Any, step: tuple[float, float]) -> _Moves | None:
+def _moves(field: "Field[Any]", value: Any, step: tuple[float, float], longest: float) -> _Moves | None:
     """The moves along a field; None if it is no axis."""
     if isinstance(value, bool):
         return _Moves(bool, [not value], [not value])
@@ -88,12 +94,19 @@ def _moves(field: "Field[Any]", value: Any, step: tuple[float, float]) -> _Moves
         return _Moves(int, [each for each in [value - apart] if each >= low], [each for each in [value + apart] if each <= high])
     if not isinstance(value, float) or field.name not in (*TIME_ERRORS, *OTHERS) or not 0.0 < value < math.inf:
         return None
+    if field.metadata.get("unit") == "s":
+        high = min(high, max(longest, value))
     up, down = ([each] if (each := min(max(float(f"{value * by:.2g}"), low), high)) != value else [] for by in (step[0], 1.0 / step[0]))
     return _Moves(float, up, down) if field.name in TIME_ERRORS else _Moves(object, down + up, down + up)
 
 
-def search(seeds: Sequence[Settings], levels: Sequence[float], runs: int, run: Callable[[Settings], Row]) -> list[Row]:
-    """At most `runs` rows: `run` makes one from settings. Every level has its turn, for each of the `CRITERIA`."""
+def search(
+    seeds: Sequence[Settings], levels: Sequence[float], runs: int, run: Callable[[Settings], Row], longest: float = math.inf
+) -> list[Row]:
+    """At most `runs` rows: `run` makes one from settings. Every level has its turn, for each of the `CRITERIA`.
+
+    `longest`: see `neighbours`.
+    """
     tried: dict[Settings, Row] = {}
     for settings in reversed(seeds[:runs]):
         tried[settings] = run(settings)
@@ -101,7 +114,7 @@ def search(seeds: Sequence[Settings], levels: Sequence[float], runs: int, run: C
     while goals and len(tried) < runs:
         for (level, by), number in list(goals.items()):
             best, finer = _best(tried, level, by)
-            new = best and next((each for each in neighbours(best, STEPS[number], finer) if each not in tried), None)
+            new = best and next((each for each in neighbours(best, STEPS[number], finer, longest) if each not in tried), None)
             if new is not None and len(tried) < runs:
                 tried[new] = run(new)
             elif best is None or number + 1 == len(STEPS):

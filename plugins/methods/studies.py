@@ -38,8 +38,8 @@ REQUESTED: Final = 1e-2
 PATIENCE_OF_HARD: Final = 60.0
 #: Who signs settings that the search found on the first scene.
 CHOSEN: Final = "chosen on {}"
-#: Runs of a combination, and processor time (s) for an answer, in each of the many scenes of the map.
-RUNS_OF_CLASSES, PATIENCE_OF_CLASSES = 24, 5.0
+#: Runs of each engine with its usual choices, and processor time (s) for an answer, in each of the many scenes of the map.
+RUNS_OF_CLASSES, PATIENCE_OF_CLASSES = 16, 5.0
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,7 @@ def hard_scenes(workshop: Workshop) -> list[Race]:
 def classes(workshop: Workshop, among: Iterable[Groups] | None = None) -> Map:
     """The map of some classes, None: of all; what is missing in the workshop is left out."""
     scenes, rows = list[ClassScene](), list[Row]()
-    wanted = Contest(ENGINES, of_classes.LEVELS, RUNS_OF_CLASSES, patience=PATIENCE_OF_CLASSES)
+    wanted = Contest(ENGINES, of_classes.LEVELS, RUNS_OF_CLASSES, usual=True, patience=PATIENCE_OF_CLASSES)
     for groups in grid() if among is None else among:
         try:
             found = race(case_of(groups), wanted, workshop)
