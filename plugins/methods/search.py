@@ -1,12 +1,11 @@
 """The settings that are tried: for each combination of an engine's choices as many runs as for any other, and no rung chosen by hand.
 
-A combination is an engine with one text for each of its settings that are a choice (family of shapes, constraint, integrator, joint). Its
-axes are what its settings class declares: whole numbers (modes, shapes, elements, links), switches, and the real numbers below; an axis
+A combination is an engine with one text for each of its settings that are a choice (family of shapes, constraint, integrator, joint): its
+usual ones, or one of them changed. Its axes are what its settings class declares: whole numbers (modes, shapes, elements, links), switches, and the real numbers below; an axis
 that an engine does not have falls away. The search begins with what the engine itself would take for each level of the error. From the
 fastest run below a level, or the most accurate one if there is none, it goes along one axis at a time, by steps that become smaller.
 """
 
-import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -50,9 +49,11 @@ class Combination:
 
 
 def combinations(engine: AnyEngine) -> list[Combination]:
-    """All combinations of an engine's choices, its usual one first."""
+    """An engine's usual choices, and those that differ from them in one."""
     choices = choices_of(engine)
-    return [Combination(engine, dict(zip(choices, texts, strict=True))) for texts in itertools.product(*choices.values())]
+    usual = {name: texts[0] for name, texts in choices.items()}
+    others = [{**usual, name: text} for name, texts in choices.items() for text in texts[1:]]
+    return [Combination(engine, each) for each in (usual, *others)]
 
 
 def neighbours(settings: Settings, step: tuple[float, float], finer: bool, longest: float = math.inf) -> Iterator[Settings]:

@@ -38,6 +38,8 @@ REQUESTED: Final = 1e-2
 PATIENCE_OF_HARD: Final = 60.0
 #: Who signs settings that the search found on the first scene.
 CHOSEN: Final = "chosen on {}"
+#: Runs of a combination in the scenes after the first, where settings found in that are tried, too.
+RUNS_OF_OTHERS: Final = 20
 #: Runs of each engine with its usual choices, and processor time (s) for an answer, in each of the many scenes of the map.
 RUNS_OF_CLASSES, PATIENCE_OF_CLASSES = 16, 5.0
 
@@ -79,7 +81,8 @@ def fronts(workshop: Workshop) -> list[Race]:
     found = list[Race]()
     for name in SCENES:
         chosen = next((each for each in found if each.case == SCENES[0]), None)
-        found += raced_in([load_case(name)], contest(chosen=chosen), workshop)
+        wanted = contest(chosen=chosen)
+        found += raced_in([load_case(name)], replace(wanted, runs=RUNS_OF_OTHERS) if chosen else wanted, workshop)
     return found
 
 

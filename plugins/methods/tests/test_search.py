@@ -81,7 +81,7 @@ def test_combinations_are_the_choices_that_an_engine_declares() -> None:
     names: Callable[[str], list[str]] = lambda name: [  # noqa: E731
         variant_of(engine(name), engine(name).settings_type().with_texts(dict(each.choices))) for each in combinations(engine(name))
     ]
-    assert names("multiplier")[:2] == ["", "hermite"]
+    assert names("multiplier") == ["", "explicit", "hermite"]
     assert {"", "consistent", "both linear"} <= set(names("nodal-load"))
     assert names("mujoco") == [""]
 
