@@ -1,7 +1,7 @@
 """What the thesis does not print, or what it may have tuned: the unknowns of the inference, their ranges, and the points to compute.
 
-A machine is a row of numbers in the units of `UNKNOWNS`. One number, `joint`, is clearance below 0 and preload above it, because a joint with
-clearance has no preload; its square makes small preloads as frequent as large ones.
+A machine is a row of numbers in the units of `UNKNOWNS`. One number, `joint`, is clearance below 0 and preload above it, because a joint
+with clearance has no preload; by its square small preloads are more frequent than large ones.
 """
 
 import math

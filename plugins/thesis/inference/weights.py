@@ -1,0 +1,236 @@
+"""The inference: weights of the explanations under two priors and several sets of statements, and the number that would decide."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import qmc
+
+from quickreturn.plugins.thesis.inference import words as spoken
+from quickreturn.plugins.thesis.inference.emulator import Emulated, Emulator, features
+from quickreturn.plugins.thesis.inference.joint import greatest_first_frequency, moved_by_mass
+from quickreturn.plugins.thesis.inference.study import RUNS, Row
+from quickreturn.plugins.thesis.inference.unknowns import NAMES, points, preload_of, spread
+from quickreturn.plugins.thesis.inference.words import Predicted
+
+Array = NDArray[np.float64]
+
+#: Number of machines drawn from the ranges, as a power of two, and the seed.
+POWER: Final = 14
+SEED: Final = 54
+#: Greatest mass of the slider beyond the compliance, kg; half of the machines have none.
+MASS: Final = 0.1
+#: Preload, N, above which a joint counts as tightened, and the share of such machines in the prior that takes section 3.2 at its word.
+TIGHTENED: Final = 3.0
+SHARE: Final = 0.9
+#: Bending stiffness over the printed one below which it counts as the printed one, and what makes a roller soft: kN/m, and over the other.
+PRINTED: Final = 1.1
+SOFT: Final = 25.0
+SOFTER: Final = 1.5
+#: The explanations, in the order of their numbers.
+EXPLANATIONS: Final = (
+    "stiffness as printed, any joint",
+    "stiffer strip, roller soft after the return, preload up to 3 N",
+    "stiffer strip, roller soft after the return, tightened",
+    "stiffer strip, clearance",
+    "stiffer strip, joint nearly alike on both sides",
+)
+#: Priors, and sets of votes with the errors that they assume.
+PRIORS: Final = ("untold", "tightened")
+SETS: Final[Mapping[str, tuple[tuple[str, ...], dict[str, float]]]] = {
+    "frequencies": (spoken.FREQUENCIES, {}),
+    "frequencies, bias 0.3 %": (spoken.FREQUENCIES, {"bias": 0.003}),
+    "frequencies, bias 2 %": (spoken.FREQUENCIES, {"bias": 0.02}),
+    "and the ring": ((*spoken.FREQUENCIES, *spoken.RINGING), {}),
+    "and the ring, ± 20 Hz": ((*spoken.FREQUENCIES, *spoken.RINGING), {"ring": 20.0}),
+    "all": (spoken.VOTES, {}),
+}
+MAIN: Final = "and the ring"
+#: Numbers that could be measured or read from a curve -> the error of that.
+DECIDING: Final[Mapping[str, float]] = {
+    "frequency of the ring after the return in run 24, Hz": 4.0,
+    "whether run 24 rings after the return": 0.5,
+    "frequency after the return over that before it in run 10": 0.007,
+    "frequency after the return over that before it in run 18": 0.007,
+    "bending stiffness over the printed one": 0.02,
+    "static stiffness of the roller after the return, decades": 0.1,
+    "preload, N": 1.0,
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Vote:
+    """A statement: its probability, and what it costs."""
+
+    id: str
+    of_explanations: tuple[float, ...]  # probability under each of `EXPLANATIONS`, mean over its machines in the prior "untold"
+    cost: tuple[float, ...]  # decades of evidence that it takes from all others of its set, by prior: frequencies and ring, or all
+
+
+@dataclass(frozen=True, kw_only=True)
+class Inference:
+    """The result."""
+
+    weights: dict[str, dict[str, tuple[float, ...]]]  # prior -> set of votes, or "" for none -> weight of each of `EXPLANATIONS`
+    evidence: dict[str, dict[str, float]]  # prior -> set -> decades of evidence
+    votes: tuple[Vote, ...]
+    intervals: dict[str, tuple[float, ...]]  # unknown -> quantiles of 5, 50, 95 % by `MAIN`, prior "untold"
+    deciding: dict[str, float]  # of `DECIDING`, by the frequencies: bits about the explanation
+    rings: tuple[tuple[float, ...], ...]  # of each explanation quantiles of 10, 50, 90 % of the ring, Hz, by the frequencies
+    best: tuple[tuple[float, ...], ...]  # machines of the three likeliest explanations by `MAIN`: each the likeliest without a mass
+    errors: dict[str, float]  # held-out error of emulated readings, relative, median over the runs
+    judged: tuple[int, int]  # fits before and after the return that found a frequency, of all
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """Machines drawn from the ranges, with what they would show."""
+
+    machines: Array  # shape (n, unknowns)
+    mass: Array  # beyond the compliance, kg, shape (n,)
+    predicted: Predicted
+
+    @property
+    def preload(self) -> Array:
+        """N, shape (n,)."""
+        return np.vectorize(preload_of)(self.column("joint"))
+
+    def column(self, name: str) -> Array:
+        """An unknown of all machines, shape (n,)."""
+        return self.machines[:, NAMES.index(name)]
+
+    @property
+    def explanation(self) -> NDArray[np.intp]:
+        """The number of each machine's explanation, shape (n,)."""
+        plus, minus, joint = (self.column(name) for name in ("plus", "minus", "joint"))
+        soft = (plus < SOFT) & (plus < minus / SOFTER)
+        kinds = [self.column("stiffness") < PRINTED, soft & (self.preload <= TIGHTENED), soft, joint < 0.0]
+        return np.select(kinds, range(4), 4)
+
+    def prior(self, name: str) -> Array:
+        """Weight of each machine before any statement, shape (n,)."""
+        tight = self.preload > TIGHTENED
+        if name == "untold":
+            return np.full(len(tight), 1.0 / len(tight))
+        return np.where(tight, SHARE / tight.sum(), (1.0 - SHARE) / (~tight).sum())
+
+
+def drawn(rows: Sequence[Row], power: int = POWER, seed: int = SEED, *, counted: bool = False) -> Drawn:
+    """Machines of all ranges and their readings, interpolated between the study's; `counted`: by extremes rather than by fits."""
+    shares = qmc.Sobol(len(NAMES) + 1, seed=seed).random_base2(power)
+    machines, mass = spread(shares[:, :-1]), MASS * np.maximum(0.0, 2.0 * shares[:, -1] - 1.0)
+    computed = points()[[row.machine for row in rows]]
+    emulator = Emulator(features(computed), features(machines, mass))
+    kind = "_counted" if counted else ""
+    ratios = {half: np.array([row.logarithms(f"{half}{kind}") for row in rows]).T for half in ("pre", "post")}
+    amplitudes = {half: np.array([row.logarithms(f"{half}_amplitude") for row in rows]).T for half in ("pre", "post")}
+    of_runs = {f"{half}_frequency": values for half, values in ratios.items()} | {"post_over_pre_frequency": ratios["post"] - ratios["pre"]}
+    of_runs |= {f"{half}_amplitude": values for half, values in amplitudes.items()}
+    seen = np.array([row.rings for row in rows])
+    single = {
+        "first": emulator(np.array([greatest_first_frequency(machine) for machine in computed])),
+        "seen": emulator(seen.astype(float), flat=True),
+        "ring": emulator(np.where(seen, np.log([row.ring[0] for row in rows]), np.nan), flat=True),
+        "signs": emulator(np.where(seen, [float(row.ring[2] < 0.0 < row.ring[3]) for row in rows], np.nan), flat=True),
+        "tip_acceleration": emulator(np.log([row.peaks[0] for row in rows])),
+        "strain": emulator(np.log([row.peaks[1] for row in rows])),
+    }
+    stiffness, plus = (machines[:, NAMES.index(name)] for name in ("stiffness", "plus"))
+    with_mass = moved_by_mass(np.exp(single["ring"].mean), stiffness, plus, mass)
+    by_run = {name: [emulator(values) for values in of_run] for name, of_run in of_runs.items()}
+    return Drawn(machines, mass, Predicted(by_run, single, with_mass))
+
+
+def together(votes: Mapping[str, Array], names: Sequence[str], biases: Array) -> Array:
+    """The probability of some votes together for each machine, the bias integrated out, shape (machines,)."""
+    product = math.prod((votes[name] for name in names if name in votes), start=np.ones(1))
+    return np.asarray(np.broadcast_to(product, (len(product), len(biases))) @ biases)
+
+
+def infer(rows: Sequence[Row], measured: Mapping[str, Mapping[int, float]], counted: bool) -> Inference:
+    """The inference from the study's rows, and from recordings of the experiment where there are any (`words.likelihoods`)."""
+    machines, said = drawn(rows, counted=counted), spoken.published()
+    kinds, count = machines.explanation, len(EXPLANATIONS)
+    priors = {name: machines.prior(name) for name in PRIORS}
+    alone, biases = spoken.likelihoods(machines.predicted, said, measured=measured)
+    posterior = {name: dict[str, Array]() for name in PRIORS}
+    for words, (names, errors) in SETS.items():
+        votes, nodes = spoken.likelihoods(machines.predicted, said, measured=measured, **errors)
+        for name, prior in priors.items():
+            posterior[name][words] = prior * together(votes, names, nodes)
+
+    def shares(weights: Array) -> tuple[float, ...]:
+        return tuple((np.bincount(kinds, weights, count) / weights.sum()).tolist())
+
+    def cost(prior: Array, vote: str) -> float:
+        names = SETS[MAIN][0] if vote in SETS[MAIN][0] else spoken.VOTES
+        rest = tuple(name for name in names if name != vote)
+        return math.log10(float(prior @ together(alone, rest, biases)) / float(prior @ together(alone, names, biases)))
+
+    def of_explanations(vote: str) -> tuple[float, ...]:
+        likely, prior = (np.bincount(kinds, priors["untold"] * each, count) for each in (together(alone, (vote,), biases), 1.0))
+        return tuple((likely / prior).tolist())
+
+    costs = {vote: tuple(cost(priors[name], vote) for name in PRIORS) for vote in spoken.VOTES if vote in alone}
+    main, first = posterior["untold"][MAIN], posterior["untold"]["frequencies"]
+    ring = np.exp(machines.predicted.single["ring"].mean)
+    unknowns = dict(zip((*NAMES, "mass"), (*machines.machines.T, machines.mass), strict=True))
+
+    def likeliest(kind: int) -> tuple[float, ...]:
+        return tuple(machines.machines[np.argmax(np.where((kinds == kind) & (machines.mass == 0.0), main, 0.0))].tolist())
+
+    return Inference(
+        weights={name: {"": shares(priors[name])} | {words: shares(each) for words, each in posterior[name].items()} for name in PRIORS},
+        evidence={name: {words: math.log10(each.sum()) for words, each in posterior[name].items()} for name in PRIORS},
+        votes=tuple(Vote(id=vote, of_explanations=of_explanations(vote), cost=each) for vote, each in costs.items()),
+        intervals={name: quantiles(values, main) for name, values in unknowns.items()},
+        deciding={name: information(kinds, first, *of) for name, of in _deciding(machines, ring).items()},
+        rings=tuple(quantiles(ring, np.where(kinds == kind, first, 0.0), (0.1, 0.5, 0.9)) for kind in range(count)),
+        best=tuple(likeliest(int(kind)) for kind in np.argsort(np.bincount(kinds, main, count))[::-1][:3]),
+        errors=_errors(machines.predicted),
+        judged=(sum(value is not None for row in rows for value in (*row.pre, *row.post)), 2 * len(rows) * len(RUNS)),
+    )
+
+
+def quantiles(values: Array, weights: Array, probabilities: tuple[float, ...] = (0.05, 0.5, 0.95)) -> tuple[float, ...]:
+    """Quantiles of weighted values."""
+    order = np.argsort(values)
+    return tuple(np.interp(probabilities, (weights[order].cumsum() - 0.5 * weights[order]) / weights.sum(), values[order]).tolist())
+
+
+def information(kinds: NDArray[np.intp], weights: Array, values: Array, error: float) -> float:
+    """Bits that a number, measured with this error, tells about the explanation: their mutual information."""
+    noise = error * np.random.default_rng(0).standard_normal(len(values))
+    bins = np.unique(np.floor((values + noise) / error), return_inverse=True)[1]
+    both = np.zeros((kinds.max() + 1, bins.max() + 1))
+    np.add.at(both, (kinds, bins), weights / weights.sum())
+    apart = both.sum(axis=1, keepdims=True) * both.sum(axis=0, keepdims=True)
+    return float(np.sum(both[both > 0.0] * np.log2(both[both > 0.0] / apart[both > 0.0])))
+
+
+def _deciding(machines: Drawn, ring: Array) -> dict[str, tuple[Array, float]]:
+    """Number -> its values for the machines, and the error of a measurement together with that of the emulator."""
+    of_runs = machines.predicted.by_run["post_over_pre_frequency"]
+
+    def halves(run: int) -> Emulated:
+        return of_runs[RUNS.index(run)]
+
+    values = (
+        ring,
+        machines.predicted.single["seen"].mean,
+        -halves(10).mean,
+        -halves(18).mean,
+        machines.column("stiffness"),
+        np.log10(machines.column("plus")),
+        machines.preload,
+    )
+    own = (float(np.median(ring)) * machines.predicted.single["ring"].error, 0.0, halves(10).error, halves(18).error, 0.0, 0.0, 0.0)
+    return {name: (value, math.hypot(error, more)) for (name, error), value, more in zip(DECIDING.items(), values, own, strict=True)}
+
+
+def _errors(predicted: Predicted) -> dict[str, float]:
+    errors = {name: float(np.median([each.error for each in of_runs])) for name, of_runs in predicted.by_run.items()}
+    return errors | {name: each.error for name, each in predicted.single.items()}
