@@ -38,6 +38,8 @@ EXPLANATIONS: Final = (
     "stiffer strip, clearance",
     "stiffer strip, joint nearly alike on both sides",
 )
+#: Number of the explanation that the words on the frequencies suggest.
+SOFT_AFTER: Final = 1
 #: Priors, and sets of votes with the errors that they assume.
 PRIORS: Final = ("untold", "tightened")
 SETS: Final[Mapping[str, tuple[tuple[str, ...], dict[str, float]]]] = {
@@ -136,7 +138,7 @@ def drawn(rows: Sequence[Row], power: int = POWER, seed: int = SEED, *, counted:
         "ring": emulator(np.where(seen, np.log([row.ring[0] for row in rows]), np.nan), flat=True),
         "signs": emulator(np.where(seen, [float(row.ring[2] < 0.0 < row.ring[3]) for row in rows], np.nan), flat=True),
         "tip_acceleration": emulator(np.log([row.peaks[0] for row in rows])),
-        "strain": emulator(np.log([row.peaks[1] for row in rows])),
+        "strain": emulator(np.log([1e-6 * row.peaks[1] for row in rows])),
     }
     stiffness, plus = (machines[:, NAMES.index(name)] for name in ("stiffness", "plus"))
     with_mass = moved_by_mass(np.exp(single["ring"].mean), stiffness, plus, mass)
@@ -150,7 +152,7 @@ def together(votes: Mapping[str, Array], names: Sequence[str], biases: Array) ->
     return np.asarray(np.broadcast_to(product, (len(product), len(biases))) @ biases)
 
 
-def infer(rows: Sequence[Row], measured: Mapping[str, Mapping[int, float]], counted: bool) -> Inference:
+def infer(rows: tuple[Row, ...], measured: Mapping[str, Mapping[int, float]], *, counted: bool = False) -> Inference:
     """The inference from the study's rows, and from recordings of the experiment where there are any (`words.likelihoods`)."""
     machines, said = drawn(rows, counted=counted), spoken.published()
     kinds, count = machines.explanation, len(EXPLANATIONS)

@@ -3,14 +3,14 @@
 import dataclasses
 
 import pytest
-
-from quickreturn.plugins.thesis.chapters.thesis import finding, stiffness_words
 from quickreturn.plugins.thesis.conclusions import CANNOT_FOLLOW, HOLDS, IN_PART, NOT, UNCHECKABLE
-from quickreturn.plugins.thesis.experiment.stiffness import StiffnessReading, stiffness_reading
 from quickreturn.plugins.thesis.finding.effects import effects
-from quickreturn.plugins.thesis.page_data import finding_of as of_finding
 from quickreturn.plugins.thesis.sufficiency import Split, splits
 from quickreturn.plugins.thesis.tests.made_up_finding import made_up_finding
+
+from quickreturn.plugins.thesis.chapters.thesis import finding, stiffness_words
+from quickreturn.plugins.thesis.experiment.stiffness import StiffnessReading, stiffness_reading
+from quickreturn.plugins.thesis.page_data import finding_of as of_finding
 from tests.reports.pages import finding_of, one_run, plain
 
 OUTCOMES = [HOLDS, IN_PART, IN_PART, NOT, CANNOT_FOLLOW, *[UNCHECKABLE] * 8]

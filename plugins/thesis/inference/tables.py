@@ -1,0 +1,137 @@
+"""The inference in words and tables."""
+
+from collections.abc import Sequence
+from typing import Final
+
+from quickreturn.plugins.thesis.experiment import statements
+from quickreturn.plugins.thesis.inference.confirmation import ENGINES, Confirmation
+from quickreturn.plugins.thesis.inference.unknowns import NAMES, PRINTED, UNKNOWNS
+from quickreturn.plugins.thesis.inference.weights import DECIDING, EXPLANATIONS, MAIN, PRIORS, SETS, SOFT_AFTER, Inference
+from quickreturn.plugins.thesis.inference.words import LABELS, RING_FREQUENCY, RING_SEEN
+from quickreturn.reports.tables.table import Column, Table
+from quickreturn.reports.words import number, percent, percents, span
+
+#: Votes that are no statement of the file.
+_WORDS: Final = {
+    RING_SEEN: "In the tip acceleration of run 24 a fast vibration is seen about the return.",
+    LABELS["tip_acceleration"]: "The largest label of figure 3.7, tip acceleration of run 24, is 10,000 in/s².",
+    LABELS["strain"]: "The largest label of figure 3.8, strain of run 24, is 0.015 %.",
+}
+
+
+def headline(inference: Inference) -> str:
+    """What survives, what speaks against it, and what would decide, as sentences without the last full stop."""
+    low, _, high = inference.intervals["stiffness"]
+    (first, with_ring), tightened = (
+        [inference.weights["untold"][words][SOFT_AFTER] for words in ("frequencies", MAIN)],
+        inference.weights["tightened"]["frequencies"][SOFT_AFTER],
+    )
+    return (
+        f"Every explanation that survives has a strip stiffer than printed ({span(low, high, '.2f')} times, 90 %). What makes the halves"
+        f" differ is not found: a roller that is soft after the return and hardly preloaded has {percent(first, '.0f')} of the weight by the"
+        f" frequencies, {percent(tightened, '.0f')} if section 3.2, which calls the rollers tightened, is taken at its word,"
+        f" and {percent(with_ring, '.0f')} with the printed 132 Hz. The frequency of that vibration in run 24 would decide"
+    )
+
+
+def against(inference: Inference) -> str:
+    """What the fast vibration says, in sentences."""
+    rings = [span(of[0], of[2], ".0f") for of in inference.rings]
+    frequency = next(vote for vote in inference.votes if vote.id == RING_FREQUENCY)
+    others = max((vote for vote in inference.votes if vote.id in SETS[MAIN][0]), key=lambda vote: vote.cost[0])
+    words = _words(others.id)
+    found, count = inference.judged
+    return (
+        f"By the frequencies alone, run 24 would ring after the return at {rings[SOFT_AFTER]} Hz with such a roller, at {rings[3]} Hz with"
+        f" clearance, at {rings[4]} Hz with a joint nearly alike on both sides (80 %, if it rings at all). The printed 132 Hz takes"
+        f" {number(frequency.cost[0], '.1f')} decades of evidence; of these statements the dearest is “{words}”"
+        f" ({number(others.cost[0], '.1f')} decades). Fits found a frequency in {found} of {count} halves; the others have the emulator’s"
+        f" value. Its error at machines that it has not seen is {percents(*_held_out(inference), '.1f')} of a frequency and"
+        f" {percent(inference.errors['pre_amplitude'], '.0f')} of an amplitude, and counts in every probability."
+    )
+
+
+def _held_out(inference: Inference) -> tuple[float, float]:
+    errors = sorted(inference.errors[f"{half}_frequency"] for half in ("pre", "post"))
+    return errors[0], errors[1]
+
+
+def weights(inference: Inference) -> Table:
+    """The weight of each explanation by each set of statements, under both priors."""
+    columns = [Column(f"explanation_{at}", words, "%", ".1f", group="weight") for at, words in enumerate(EXPLANATIONS)]
+    table = Table(
+        "finding_weights",
+        """The weight of each explanation under two priors: untold, or with nine of ten machines tightened by more than 3 N as section 3.2
+        says. Each bias is the standard deviation of a reading error common to all runs between the halves. Evidence: decades, larger is
+        better; only lines of one set compare.""",
+        ("prior", Column("statements", "by"), *columns, Column("evidence", unit="decades", form=".1f")),
+    )
+    for prior in PRIORS:
+        for words in ("", *SETS):
+            cells = {f"explanation_{at}": weight for at, weight in enumerate(inference.weights[prior][words])}
+            table.add(prior=prior, statements=words or "no statement", evidence=inference.evidence[prior].get(words), **cells)
+    return table
+
+
+def votes(inference: Inference) -> Table:
+    """The probability of each statement under each explanation, and what it costs."""
+    columns = [Column(f"explanation_{at}", words, "%", ".1f", group="probability") for at, words in enumerate(EXPLANATIONS)]
+    costs = [Column(f"cost_{prior}", prior, "decades", ".2f", group="cost") for prior in PRIORS]
+    table = Table(
+        "finding_statements",
+        """The probability of each statement under each explanation, mean over its machines before any statement; and the decades of
+        evidence that the statement takes from all others: of frequencies and the ring, or with the amplitudes of all.""",
+        (Column("id", in_page=False), "statement", *columns, *costs),
+    )
+    for vote in inference.votes:
+        cells = {f"explanation_{at}": share for at, share in enumerate(vote.of_explanations)}
+        cells |= {f"cost_{prior}": cost for prior, cost in zip(PRIORS, vote.cost, strict=True)}
+        table.add(id=vote.id, statement=_words(vote.id), **cells)
+    return table
+
+
+def _words(vote: str) -> str:
+    return _WORDS[vote] if vote in _WORDS else next(each.words for each in statements() if each.id == vote)
+
+
+def deciding(inference: Inference) -> Table:
+    """What a number would tell about the explanation."""
+    table = Table(
+        "finding_deciding",
+        "What one more number would tell about the explanation, after the statements on frequencies; two bits would single out one of four.",
+        ("number", Column("error", "its error", "", ".3g"), Column("bits", form=".2f")),
+    )
+    for name, bits in sorted(inference.deciding.items(), key=lambda each: -each[1]):
+        table.add(number=name, error=DECIDING[name], bits=bits)
+    return table
+
+
+def unknowns(inference: Inference) -> Table:
+    """The unknowns, their ranges, and what the statements leave of them."""
+    table = Table(
+        "finding_unknowns",
+        """What the thesis leaves open, the range in which machines are drawn (evenly, or evenly in the logarithm), and the quantiles that
+        the statements on frequencies and ring leave under the prior untold.""",
+        ("unknown", "range", "reason", *(Column(f"quantile_{at}", f"{at} %", "", ".3g", group="quantile") for at in (5, 50, 95))),
+    )
+    for unknown in UNKNOWNS:
+        ends = dict(zip(("quantile_5", "quantile_50", "quantile_95"), inference.intervals[unknown.name], strict=True))
+        table.add(unknown=unknown.words, range=span(unknown.low, unknown.high, ".3g"), reason=unknown.reason, **ends)
+    return table
+
+
+def confirmed(rows: Sequence[Confirmation]) -> Table:
+    """Two engines on the likeliest machines and the printed one."""
+    columns = [Column(f"{half}_{name}", name, "Hz", ".2f", group=f"f₁ {half}") for half in ("pre", "post") for name in ENGINES]
+    table = Table(
+        "finding_confirmed",
+        "The printed machine and the likeliest one of three explanations by two engines, compared within their claims as in every cross-check.",
+        ("machine", Column("run", form="d"), *columns, Column("compared", form="d"), Column("missed", form="d")),
+    )
+    for row in rows:
+        cells = {f"pre_{name}": value for name, value in zip(ENGINES, row.pre, strict=True)}
+        cells |= {f"post_{name}": value for name, value in zip(ENGINES, row.post, strict=True)}
+        of = dict(zip(NAMES, row.machine, strict=True))
+        text = ", ".join(f"{name} {value:g}" for name, value in of.items() if value != PRINTED[name])
+        table.add(machine=text or "as printed", run=row.run, compared=row.compared, missed=row.missed, **cells)
+    return table
