@@ -1,7 +1,7 @@
 """What the thesis saw: what could have made it, with the weight of each explanation, and its model beside the converged one."""
 
 from collections.abc import Mapping, Sequence
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -32,7 +32,7 @@ def thesis(content: ThesisData) -> Chapter:
     results, inference = content.thesis_results, content.inference
     compared = differences(results, MODEL, "frequency")
     of_halves = {half: [difference.ratio for difference in compared if difference.half == half] for half in HALF}
-    facts = {
+    facts: dict[str, Any] = {
         "worse": fits_worse(axis_comparisons(results)),
         "of_record": about("finding"),
         "inferred": inference is not None,

@@ -20,6 +20,8 @@ TREND: Final = 100.0
 #: Lengths, in standard deviations of the features, and variances of the noise, in those of the process, that are tried.
 LENGTHS: Final = (1.5, 3.0, 6.0)
 NOISES: Final = (1e-3, 1e-2, 1e-1, 1.0)
+#: Least number of machines to interpolate between.
+FEWEST: Final = 20
 #: Force of the slider, N, above which a preload lets a roller part: 0.6 of the peaks of 7 to 18 N in the runs.
 FORCE: Final = 7.0
 #: Stiffness (kN/m) of the arm against the slider: with `plus` 10 and 6 kN/m the first frequency of run 24 falls by 4 and 7 %.
@@ -53,7 +55,7 @@ class Emulated:
     """A number at some machines."""
 
     mean: Array  # shape (n,)
-    error: float  # standard deviation at machines that were not computed, robust: 1.48 times the median magnitude
+    error: float  # standard deviation at machines that were not computed, robust: 1.48 times the median magnitude; inf if too few are known
     count: int  # number of computed machines that have the number
 
 
@@ -74,6 +76,8 @@ class Emulator:
         `values`: at the computed ones, shape (m,), NaN where it is not known; `flat`: with a constant in place of the trend.
         """
         has = np.isfinite(values)
+        if has.sum() < FEWEST:
+            return Emulated(np.zeros(len(self._trends[1])), np.inf, int(has.sum()))
         y, trends = values[has] - np.mean(values[has]), [self._trends[0][has], self._trends[1]]
         if flat:
             trends = [each[:, :1] for each in trends]

@@ -31,7 +31,7 @@ class Twist:
 def torsional_stiffness(scene: Mechanism) -> float:
     """G J of the follower's rectangular section, N m^2."""
     follower = scene.follower
-    width, thickness = follower.width, follower.thickness
+    width, thickness = follower.width or math.nan, follower.thickness or math.nan
     torsion = width * thickness**3 / 3.0 * (1.0 - 0.63 * thickness / width)
     return follower.elastic_modulus / (2.0 * (1.0 + POISSON)) * torsion
 
@@ -39,5 +39,5 @@ def torsional_stiffness(scene: Mechanism) -> float:
 def twist(wanted: float, run: int = 24) -> Twist:
     """The twist in a run of the thesis; `wanted`: stiffness of one roller, N/m, that would explain the difference between the halves."""
     scene = run_case(run).mechanism
-    torsional, half = torsional_stiffness(scene) / scene.pivot_distance, 0.5 * scene.follower.width
+    torsional, half = torsional_stiffness(scene) / scene.pivot_distance, 0.5 * (scene.follower.width or math.nan)
     return Twist(torsional / half**2, math.sqrt(torsional / wanted), half)

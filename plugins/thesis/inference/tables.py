@@ -28,8 +28,8 @@ def headline(inference: Inference) -> str:
     )
     return (
         f"Every explanation that survives has a strip stiffer than printed ({span(low, high, '.2f')} times, 90 %). What makes the halves"
-        f" differ is not found: a roller that is soft after the return and hardly preloaded has {percent(first, '.0f')} of the weight by the"
-        f" frequencies, {percent(tightened, '.0f')} if section 3.2, which calls the rollers tightened, is taken at its word,"
+        f" differ is not found: a roller that is soft after the return and hardly preloaded has {percent(first, '.0f')} of the weight by"
+        f" the frequencies, {percent(tightened, '.0f')} if section 3.2, which calls the rollers tightened, is taken at its word,"
         f" and {percent(with_ring, '.0f')} with the printed 132 Hz. The frequency of that vibration in run 24 would decide"
     )
 
@@ -98,7 +98,7 @@ def deciding(inference: Inference) -> Table:
     """What a number would tell about the explanation."""
     table = Table(
         "finding_deciding",
-        "What one more number would tell about the explanation, after the statements on frequencies; two bits would single out one of four.",
+        "What one more number tells about the explanation after the statements on frequencies; two bits single out one of four.",
         ("number", Column("error", "its error", "", ".3g"), Column("bits", form=".2f")),
     )
     for name, bits in sorted(inference.deciding.items(), key=lambda each: -each[1]):
@@ -125,7 +125,8 @@ def confirmed(rows: Sequence[Confirmation]) -> Table:
     columns = [Column(f"{half}_{name}", name, "Hz", ".2f", group=f"f₁ {half}") for half in ("pre", "post") for name in ENGINES]
     table = Table(
         "finding_confirmed",
-        "The printed machine and the likeliest one of three explanations by two engines, compared within their claims as in every cross-check.",
+        """The printed machine and the likeliest one of three explanations by two engines, compared within their claims as in every
+        cross-check.""",
         ("machine", Column("run", form="d"), *columns, Column("compared", form="d"), Column("missed", form="d")),
     )
     for row in rows:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -11,7 +11,7 @@ from scipy.stats import qmc
 
 from quickreturn.plugins.thesis.inference import words as spoken
 from quickreturn.plugins.thesis.inference.emulator import Emulated, Emulator, features
-from quickreturn.plugins.thesis.inference.joint import greatest_first_frequency, moved_by_mass
+from quickreturn.plugins.thesis.inference.joint import RINGING, at_return, greatest_first_frequency, moved_by_mass
 from quickreturn.plugins.thesis.inference.study import RUNS, Row
 from quickreturn.plugins.thesis.inference.unknowns import NAMES, points, preload_of, spread
 from quickreturn.plugins.thesis.inference.words import Predicted
@@ -19,7 +19,7 @@ from quickreturn.plugins.thesis.inference.words import Predicted
 Array = NDArray[np.float64]
 
 #: Number of machines drawn from the ranges, as a power of two, and the seed.
-POWER: Final = 14
+POWER: Final = 13
 SEED: Final = 54
 #: Greatest mass of the slider beyond the compliance, kg; half of the machines have none.
 MASS: Final = 0.1
@@ -42,10 +42,12 @@ EXPLANATIONS: Final = (
 SOFT_AFTER: Final = 1
 #: Priors, and sets of votes with the errors that they assume.
 PRIORS: Final = ("untold", "tightened")
+COUNTED: Final = "frequencies, by counted extremes"
 SETS: Final[Mapping[str, tuple[tuple[str, ...], dict[str, float]]]] = {
     "frequencies": (spoken.FREQUENCIES, {}),
     "frequencies, bias 0.3 %": (spoken.FREQUENCIES, {"bias": 0.003}),
     "frequencies, bias 2 %": (spoken.FREQUENCIES, {"bias": 0.02}),
+    COUNTED: (spoken.FREQUENCIES, {}),
     "and the ring": ((*spoken.FREQUENCIES, *spoken.RINGING), {}),
     "and the ring, ± 20 Hz": ((*spoken.FREQUENCIES, *spoken.RINGING), {"ring": 20.0}),
     "all": (spoken.VOTES, {}),
@@ -94,6 +96,7 @@ class Drawn:
     machines: Array  # shape (n, unknowns)
     mass: Array  # beyond the compliance, kg, shape (n,)
     predicted: Predicted
+    counted: Predicted  # with frequencies by counted extremes rather than by fits
 
     @property
     def preload(self) -> Array:
@@ -120,30 +123,38 @@ class Drawn:
         return np.where(tight, SHARE / tight.sum(), (1.0 - SHARE) / (~tight).sum())
 
 
-def drawn(rows: Sequence[Row], power: int = POWER, seed: int = SEED, *, counted: bool = False) -> Drawn:
-    """Machines of all ranges and their readings, interpolated between the study's; `counted`: by extremes rather than by fits."""
-    shares = qmc.Sobol(len(NAMES) + 1, seed=seed).random_base2(power)
-    machines, mass = spread(shares[:, :-1]), MASS * np.maximum(0.0, 2.0 * shares[:, -1] - 1.0)
+def drawn(rows: Sequence[Row], power: int = POWER) -> Drawn:
+    """Machines of all ranges with their readings, interpolated between the study's."""
+    shares = qmc.Sobol(len(NAMES) + 1, seed=SEED).random_base2(power)
+    return readings(rows, spread(shares[:, :-1]), MASS * np.maximum(0.0, 2.0 * shares[:, -1] - 1.0))
+
+
+def readings(rows: Sequence[Row], machines: Array, mass: Array) -> Drawn:
+    """These machines with their readings."""
     computed = points()[[row.machine for row in rows]]
     emulator = Emulator(features(computed), features(machines, mass))
-    kind = "_counted" if counted else ""
-    ratios = {half: np.array([row.logarithms(f"{half}{kind}") for row in rows]).T for half in ("pre", "post")}
-    amplitudes = {half: np.array([row.logarithms(f"{half}_amplitude") for row in rows]).T for half in ("pre", "post")}
-    of_runs = {f"{half}_frequency": values for half, values in ratios.items()} | {"post_over_pre_frequency": ratios["post"] - ratios["pre"]}
-    of_runs |= {f"{half}_amplitude": values for half, values in amplitudes.items()}
     seen = np.array([row.rings for row in rows])
+    held, without = (at_return(each[:, 0], each[:, 1], np.zeros(len(each))) for each in (computed, machines))
+    over = emulator(np.where(seen, np.log([row.ring[0] for row in rows] / held[:, RINGING]), np.nan), flat=True)
     single = {
         "first": emulator(np.array([greatest_first_frequency(machine) for machine in computed])),
         "seen": emulator(seen.astype(float), flat=True),
-        "ring": emulator(np.where(seen, np.log([row.ring[0] for row in rows]), np.nan), flat=True),
+        "ring": replace(over, mean=over.mean + np.log(without[:, RINGING])),
         "signs": emulator(np.where(seen, [float(row.ring[2] < 0.0 < row.ring[3]) for row in rows], np.nan), flat=True),
         "tip_acceleration": emulator(np.log([row.peaks[0] for row in rows])),
         "strain": emulator(np.log([1e-6 * row.peaks[1] for row in rows])),
     }
-    stiffness, plus = (machines[:, NAMES.index(name)] for name in ("stiffness", "plus"))
-    with_mass = moved_by_mass(np.exp(single["ring"].mean), stiffness, plus, mass)
-    by_run = {name: [emulator(values) for values in of_run] for name, of_run in of_runs.items()}
-    return Drawn(machines, mass, Predicted(by_run, single, with_mass))
+    with_mass = moved_by_mass(np.exp(single["ring"].mean), without, at_return(machines[:, 0], machines[:, 1], mass))
+    fitted, by_count = (Predicted(_by_run(rows, emulator, kind), single, with_mass) for kind in ("", "_counted"))
+    return Drawn(machines, mass, fitted, by_count)
+
+
+def _by_run(rows: Sequence[Row], emulator: Emulator, kind: str) -> dict[str, list[Emulated]]:
+    """The ratios that statements name, for each run."""
+    fields = {"pre_frequency": f"pre{kind}", "post_frequency": f"post{kind}"} | {name: name for name in ("pre_amplitude", "post_amplitude")}
+    values = {name: np.array([row.logarithms(field) for row in rows]).T for name, field in fields.items()}
+    values["post_over_pre_frequency"] = values["post_frequency"] - values["pre_frequency"]
+    return {name: [emulator(of_run) for of_run in of_runs] for name, of_runs in values.items()}
 
 
 def together(votes: Mapping[str, Array], names: Sequence[str], biases: Array) -> Array:
@@ -152,15 +163,16 @@ def together(votes: Mapping[str, Array], names: Sequence[str], biases: Array) ->
     return np.asarray(np.broadcast_to(product, (len(product), len(biases))) @ biases)
 
 
-def infer(rows: tuple[Row, ...], measured: Mapping[str, Mapping[int, float]], *, counted: bool = False) -> Inference:
+def infer(rows: tuple[Row, ...], measured: Mapping[str, Mapping[int, float]]) -> Inference:
     """The inference from the study's rows, and from recordings of the experiment where there are any (`words.likelihoods`)."""
-    machines, said = drawn(rows, counted=counted), spoken.published()
+    machines, said = drawn(rows), spoken.published()
     kinds, count = machines.explanation, len(EXPLANATIONS)
     priors = {name: machines.prior(name) for name in PRIORS}
     alone, biases = spoken.likelihoods(machines.predicted, said, measured=measured)
     posterior = {name: dict[str, Array]() for name in PRIORS}
     for words, (names, errors) in SETS.items():
-        votes, nodes = spoken.likelihoods(machines.predicted, said, measured=measured, **errors)
+        reading = machines.counted if words == COUNTED else machines.predicted
+        votes, nodes = spoken.likelihoods(reading, said, measured=measured, **errors)
         for name, prior in priors.items():
             posterior[name][words] = prior * together(votes, names, nodes)
 

@@ -7,8 +7,7 @@ one half of every run, the bias between the halves, is common to all runs and is
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from itertools import pairwise
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -77,24 +76,6 @@ def published() -> Words:
     return Words(relations, by_id[FIRST_MODE].high, by_id[RING_FREQUENCY].low, True, alone)
 
 
-def words_on(by_run: Mapping[str, Array], first: float, ring: float | None, labels: Mapping[str, float]) -> Words:
-    """What an author would say of these readings, in the thesis' vocabulary; `by_run`: ratio simulation / machine for each of `RUNS`."""
-    relations = []
-    for statement in published().relations:
-        here = [at for at, run in enumerate(RUNS) if run in statement.runs]
-        ratios = by_run[statement.quantity][here]
-        ends = sorted({end for each in published().relations if each.quantity == statement.quantity for end in (each.low, each.high)})
-        edges = [-math.inf, *(end for end in ends if math.isfinite(end)), math.inf]
-        if statement.quantity == "post_over_pre_frequency":
-            edges = [-math.inf, 1.0 / statement.low, statement.low, math.inf]
-        counts = [(int(np.sum((ratios >= low) & (ratios <= high))), low, high) for low, high in pairwise(edges)]
-        count, low, high = max(counts)
-        shares = [share for share in (1.0, 0.9, 0.75, 0.5) if count >= least_number(share, len(here))]
-        if shares:
-            relations.append(replace(statement, low=low, high=high, share=shares[0]))
-    return Words(tuple(relations), first, ring, None, labels)
-
-
 def least_number(share: float, count: int) -> int:
     """The least number of runs that a share means: all of `count` but the rest, and always more than half."""
     return max(math.ceil(share * count - 1e-9), count // 2 + 1)
@@ -118,15 +99,16 @@ def likelihoods(
         frequency = statement.quantity.endswith("frequency")
         shift = bias * nodes if frequency and statement.quantity.startswith("post") else np.zeros(1)
         error = (READING if frequency else AMPLITUDE) * (math.sqrt(2.0) if "over" in statement.quantity else 1.0)
-        of_runs = dict(zip(RUNS, predicted.by_run[statement.quantity], strict=True))
+        of_runs = {run: each for run, each in zip(RUNS, predicted.by_run[statement.quantity], strict=True) if math.isfinite(each.error)}
         recorded = {run: ratio for run, ratio in (measured or {}).get(statement.quantity, {}).items() if run in of_runs}
         if recorded:
             parts = [_normal(of_runs[run], shift, error, math.log(ratio)) for run, ratio in recorded.items()]
             votes[statement.id] = np.prod(parts, axis=0)
             continue
         ends = [-math.inf if end <= 0.0 else math.log(end) if math.isfinite(end) else end for end in (statement.low, statement.high)]
-        shown = [_within(of_runs[run], shift, error, ends[0], ends[1]) for run in RUNS if run in statement.runs]
-        votes[statement.id] = at_least(least_number(statement.share, len(shown)), np.array(shown))
+        shown = [_within(of_runs[run], shift, error, ends[0], ends[1]) for run in of_runs if run in statement.runs]
+        if shown:
+            votes[statement.id] = at_least(least_number(statement.share, len(shown)), np.array(shown))
     return {name: np.maximum(vote, FLOOR) for name, vote in (votes | _of_example(predicted, words, ring)).items()}, weights / weights.sum()
 
 

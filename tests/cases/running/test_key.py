@@ -116,8 +116,7 @@ plugins.studies.resonance_curve.search.resonance_curve: cases.files.copies cases
     not cases.comparison.engines
 plugins.methods.benchmark.measurement.pinned: plugins.methods.trials.truth plugins.methods.trials.methods, not cases.comparison.engines
 plugins.methods.classes.measurement.measured: plugins.methods.classes.groups plugins.methods.trials.truth, not cases.comparison.engines
-plugins.thesis.finding.response.respond: cases.motion.half_cycle cases.motion.marching, not cases.comparison.engines
-plugins.thesis.modes.thesis_modes: plugins.thesis.modes, not cases.comparison.engines
+plugins.thesis.inference.response.respond: cases.motion.half_cycle cases.motion.marching, not cases.comparison.engines
 """.strip().replace("\n    ", " ")
 
 
