@@ -84,15 +84,15 @@ def study(workshop: Workshop) -> list[Row]:
 
 def jobs(begin: Mapping[int, Orbit]) -> dict[tuple[int, tuple[int, ...]], Job[tuple[Response, ...]]]:
     """Number of the machine and group of runs -> the job that computes it, the first group of runs first."""
-    machines = points()
-    found = dict[tuple[int, tuple[int, ...]], Job[tuple[Response, ...]]]()
-    for group in GROUPS:
-        for machine in (CUBIC, *range(len(machines))):
-            engine = MODEL if machine == CUBIC else "reference"
-            scenes = {run: run_case(run).mechanism if machine == CUBIC else scene_of(machines[machine], run) for run in group}
-            requests = tuple(Request(scenes[run], start, engine) for run in group if (start := begin[run].begin) is not None)
-            found[machine, group] = Job(f"machine {machine}, runs {group}", respond, (requests,), kind="inference", engines=(engine,))
-    return found
+    return {(machine, group): job(machine, group, begin) for group in GROUPS for machine in (CUBIC, *range(len(points())))}
+
+
+def job(machine: int, runs: tuple[int, ...], begin: Mapping[int, Orbit]) -> Job[tuple[Response, ...]]:
+    """The job that computes a machine in some runs, each from the periodic state of the run as published."""
+    engine = MODEL if machine == CUBIC else "reference"
+    scenes = {run: run_case(run).mechanism if machine == CUBIC else scene_of(points()[machine], run) for run in runs}
+    requests = tuple(Request(scenes[run], start, engine) for run in runs if (start := begin[run].begin) is not None)
+    return Job(f"machine {machine}, runs {runs}", respond, (requests,), kind="inference", engines=(engine,))
 
 
 def _row(number: int, machine: Mapping[int, Response], cubic: Mapping[int, Response], printed: Mapping[int, Response]) -> Row:

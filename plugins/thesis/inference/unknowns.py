@@ -4,6 +4,7 @@ A machine is a row of numbers in the units of `UNKNOWNS`. One number, `joint`, i
 with clearance has no preload; by its square small preloads are more frequent than large ones.
 """
 
+import functools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -74,6 +75,7 @@ CHOSEN: Final[tuple[Mapping[str, float], ...]] = (
 )
 
 
+@functools.cache
 def points() -> Array:
     """The machines that are computed, shape (`SOBOL` + chosen, unknowns)."""
     chosen = [[{**PRINTED, **changes}[name] for name in NAMES] for changes in CHOSEN]

@@ -1,11 +1,12 @@
 """A mass beyond the compliance, and the strip's twist, by second formulations."""
 
 import math
+from itertools import pairwise
 
 import exudyn as exu
 import numpy as np
 import pytest
-from exudyn import itemInterface as items
+from exudyn.itemInterface import MarkerBodyRigid, MarkerNodeRigid, ObjectBeamGeometricallyExact, ObjectGround
 from exudyn.utilities import Force, GenericJoint, NodeRigidBodyEP, Torque
 
 from quickreturn.cases.library.thesis.runs import run_case
@@ -63,10 +64,10 @@ def twisted(eccentricity: float, elements: int = 16) -> float:
     system = exu.SystemContainer().AddSystem()
     places = np.linspace(0.0, length, elements + 1)
     nodes = [system.AddNode(NodeRigidBodyEP(referenceCoordinates=[place, 0, 0, 1, 0, 0, 0])) for place in places]
-    for pair in zip(nodes[:-1], nodes[1:], strict=True):
-        system.AddObject(items.ObjectBeamGeometricallyExact(nodeNumbers=[*pair], length=length / elements, sectionData=section))
-    ground = system.AddMarker(items.MarkerBodyRigid(bodyNumber=system.AddObject(items.ObjectGround())))
-    first, last = (system.AddMarker(items.MarkerNodeRigid(nodeNumber=node)) for node in (nodes[0], nodes[-1]))
+    for pair in pairwise(nodes):
+        system.AddObject(ObjectBeamGeometricallyExact(nodeNumbers=[*pair], length=length / elements, sectionData=section))
+    ground = system.AddMarker(MarkerBodyRigid(bodyNumber=system.AddObject(ObjectGround())))
+    first, last = (system.AddMarker(MarkerNodeRigid(nodeNumber=node)) for node in (nodes[0], nodes[-1]))
     system.AddObject(GenericJoint(markerNumbers=[ground, first], constrainedAxes=[1] * 6))
     system.AddLoad(Force(markerNumber=last, loadVector=[0, force, 0]))
     system.AddLoad(Torque(markerNumber=last, loadVector=[-force * eccentricity, 0, 0]))

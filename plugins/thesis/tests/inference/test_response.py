@@ -79,6 +79,6 @@ def test_a_soft_roller_changes_the_half_that_it_carries_by_what_its_spring_does_
         new, old = soft.halves[name].fitted, printed.halves[name].fitted
         assert new is not None
         assert old is not None
-        # along the half the spring's effect goes from 0 to -3.2 %, so that the mean depends on where the mode is strong; 0.3 % is the floor of
-        # the measure (`cases.motion.first_mode.FREQUENCY_FLOOR`), of each of the two
+        # along the half the spring's effect goes from 0 to -3.2 %, so that the mean depends on where the mode is strong; 0.3 % is the floor
+        # of the measure (`cases.motion.first_mode.FREQUENCY_FLOOR`), of each of the two
         assert new / old - 1.0 == pytest.approx(expected if name == half else 0.0, abs=0.006)
