@@ -150,16 +150,13 @@ def as_built(draw: Draw, workshop: Workshop) -> None:
 
 def finding_of_the_thesis(draw: Draw, workshop: Workshop) -> None:
     """The ratio of the thesis' frequency to a machine's after the return, in a run."""
-    rows = {row.machine: row for row in of_the_thesis.finding()}
-    known = [
-        (machine, run) for machine, row in rows.items() for run, value in zip(finding.RUNS, row.post, strict=True) if value is not None
-    ]
-    for machine, run in draw(known):
+    known = {row.machine: dict(zip(finding.RUNS, row.post, strict=True)) for row in of_the_thesis.finding()}
+    for machine, run in draw([(machine, run) for machine, of_runs in known.items() for run in of_runs if of_runs[run] is not None]):
         (orbit,) = orbits([run_case(run).mechanism], workshop)
         assert orbit.begin is not None
         outcomes = workshop.outcomes([finding.job(each, (run,), {run: orbit}) for each in (finding.CUBIC, machine)], "machines")
         cubic, again = (outcome.value[0].halves["post"].fitted for outcome in outcomes if outcome.value is not None)
-        ratio = 1.0 + finding.FREQUENCY_UNIT * (rows[machine].post[finding.RUNS.index(run)] or 0)
+        ratio = 1.0 + finding.FREQUENCY_UNIT * (known[machine][run] or 0)
         # impacts amplify rounding: 0.3 % is the floor of the measure
         assert cubic / again == pytest.approx(ratio, abs=0.5 * finding.FREQUENCY_UNIT + 0.003), (machine, run)
 
