@@ -11,7 +11,7 @@ from quickreturn.cases.motion.cycle import HALVES
 from quickreturn.cases.motion.time_scale import CHANNELS
 from quickreturn.engines.registry import MODEL
 from quickreturn.plugins.thesis.axes import axis_comparisons, fits_worse
-from quickreturn.plugins.thesis.experiment.stiffness import StiffnessReading, stiffness_reading
+from quickreturn.plugins.thesis.experiment.stiffness import below_aluminium
 from quickreturn.plugins.thesis.inference import tables
 from quickreturn.plugins.thesis.inference.spatial import twist
 from quickreturn.plugins.thesis.page_data import ThesisData
@@ -19,7 +19,7 @@ from quickreturn.reports.long_studies import about
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.results.engine_differences import Summary, differences, summary_of
 from quickreturn.reports.tables.table import Column, Table
-from quickreturn.reports.words import HALF, channel_name, number, percent, percents
+from quickreturn.reports.words import HALF, channel_name, number, percents
 
 #: Halves count as alike if the excess differs between them by less than this part of itself.
 SAME_EFFECT: Final = 0.1
@@ -36,7 +36,7 @@ def thesis(content: ThesisData) -> Chapter:
         "worse": fits_worse(axis_comparisons(results)),
         "of_record": about("finding"),
         "inferred": inference is not None,
-        "stiffness": stiffness_words(stiffness_reading([difference.relative for difference in compared])),
+        "stiffness": percents(*below_aluminium(), ".0f"),
         "ratios": ratios(results),
     }
     if inference is not None:
@@ -65,22 +65,6 @@ def _stiffness(ratios: Mapping[str, Sequence[float]]) -> str:
     return (
         f"Its one cubic is too {stiff} before and after the return{alike} ({number(pre, '.2f')} and {number(post, '.2f')} times the"
         f" converged frequency, medians of {len(ratios['pre'])} and {len(ratios['post'])} runs that resolve it)"
-    )
-
-
-def stiffness_words(stiffness: StiffnessReading) -> str:
-    """The published bending stiffness beside that of ordinary aluminium, and beside the one that would undo the single cubic's excess."""
-    published, (low, high) = stiffness.published.replace("*", " ").replace("^2", "²"), stiffness.below
-    text = (
-        f"EI = {published} over the nominal section means E = {number(stiffness.modulus / 1e9, '.1f')} GPa, {percents(low, high, '.0f')}"
-        " below ordinary aluminium."
-    )
-    if not stiffness.needed:
-        return text
-    return (
-        f"{text} A frequency grows with the square root of EI: to undo the single cubic’s median excess EI would have to be"
-        f" {percent(stiffness.needed, '.0f')} lower. Inference: the published value may have been tuned towards the measured frequencies"
-        f"{', though not all the way' if high < stiffness.needed else ''}."
     )
 
 

@@ -6,7 +6,7 @@ from typing import Final
 from quickreturn.plugins.thesis.experiment import statements
 from quickreturn.plugins.thesis.inference.confirmation import ENGINES, Confirmation
 from quickreturn.plugins.thesis.inference.unknowns import NAMES, PRINTED, UNKNOWNS
-from quickreturn.plugins.thesis.inference.weights import DECIDING, EXPLANATIONS, MAIN, PRIORS, SETS, SOFT_AFTER, Inference
+from quickreturn.plugins.thesis.inference.weights import EXPLANATIONS, MAIN, PRIORS, SETS, SOFT_AFTER, Inference
 from quickreturn.plugins.thesis.inference.words import LABELS, RING_FREQUENCY, RING_SEEN
 from quickreturn.reports.tables.table import Column, Table
 from quickreturn.reports.words import number, percent, percents, span
@@ -101,8 +101,8 @@ def deciding(inference: Inference) -> Table:
         "What one more number tells about the explanation after the statements on frequencies; two bits single out one of four.",
         ("number", Column("error", "its error", "", ".3g"), Column("bits", form=".2f")),
     )
-    for name, bits in sorted(inference.deciding.items(), key=lambda each: -each[1]):
-        table.add(number=name, error=DECIDING[name], bits=bits)
+    for name, (error, bits) in sorted(inference.deciding.items(), key=lambda each: -each[1][1]):
+        table.add(number=name, error=error, bits=bits)
     return table
 
 

@@ -53,16 +53,8 @@ SETS: Final[Mapping[str, tuple[tuple[str, ...], dict[str, float]]]] = {
     "all": (spoken.VOTES, {}),
 }
 MAIN: Final = "and the ring"
-#: Numbers that could be measured or read from a curve -> the error of that.
-DECIDING: Final[Mapping[str, float]] = {
-    "frequency of the ring after the return in run 24, Hz": 4.0,
-    "whether run 24 rings after the return": 0.5,
-    "frequency after the return over that before it in run 10": 0.007,
-    "frequency after the return over that before it in run 18": 0.007,
-    "bending stiffness over the printed one": 0.02,
-    "static stiffness of the roller after the return, decades": 0.1,
-    "preload, N": 1.0,
-}
+#: Runs with unlike slider forces, 15 and 8 N: a preload shows where the force exceeds it, a bias of reading in both.
+HALVES: Final = (10, 18)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,7 +74,7 @@ class Inference:
     evidence: dict[str, dict[str, float]]  # prior -> set -> decades of evidence
     votes: tuple[Vote, ...]
     intervals: dict[str, tuple[float, ...]]  # unknown -> quantiles of 5, 50, 95 % by `MAIN`, prior "untold"
-    deciding: dict[str, float]  # of `DECIDING`, by the frequencies: bits about the explanation
+    deciding: dict[str, tuple[float, float]]  # number -> error of its measurement, and bits that it tells after the frequencies
     rings: tuple[tuple[float, ...], ...]  # of each explanation quantiles of 10, 50, 90 % of the ring, Hz, by the frequencies
     best: tuple[tuple[float, ...], ...]  # machines of the three likeliest explanations by `MAIN`: each the likeliest without a mass
     errors: dict[str, float]  # held-out error of emulated readings, relative, median over the runs
@@ -201,7 +193,10 @@ def infer(rows: tuple[Row, ...], measured: Mapping[str, Mapping[int, float]]) ->
         evidence={name: {words: math.log10(each.sum()) for words, each in posterior[name].items()} for name in PRIORS},
         votes=tuple(Vote(id=vote, of_explanations=of_explanations(vote), cost=each) for vote, each in costs.items()),
         intervals={name: quantiles(values, main) for name, values in unknowns.items()},
-        deciding={name: information(kinds, first, *of) for name, of in _deciding(machines, ring).items()},
+        deciding={
+            name: (error, information(kinds, first, values, math.hypot(error, own)))
+            for name, (values, error, own) in _numbers(machines, ring).items()
+        },
         rings=tuple(quantiles(ring, np.where(kinds == kind, first, 0.0), (0.1, 0.5, 0.9)) for kind in range(count)),
         best=tuple(likeliest(int(kind)) for kind in np.argsort(np.bincount(kinds, main, count))[::-1][:3]),
         errors=_errors(machines.predicted),
@@ -225,24 +220,22 @@ def information(kinds: NDArray[np.intp], weights: Array, values: Array, error: f
     return float(np.sum(both[both > 0.0] * np.log2(both[both > 0.0] / apart[both > 0.0])))
 
 
-def _deciding(machines: Drawn, ring: Array) -> dict[str, tuple[Array, float]]:
-    """Number -> its values for the machines, and the error of a measurement together with that of the emulator."""
-    of_runs = machines.predicted.by_run["post_over_pre_frequency"]
-
-    def halves(run: int) -> Emulated:
-        return of_runs[RUNS.index(run)]
-
-    values = (
-        ring,
-        machines.predicted.single["seen"].mean,
-        -halves(10).mean,
-        -halves(18).mean,
-        machines.column("stiffness"),
-        np.log10(machines.column("plus")),
-        machines.preload,
-    )
-    own = (float(np.median(ring)) * machines.predicted.single["ring"].error, 0.0, halves(10).error, halves(18).error, 0.0, 0.0, 0.0)
-    return {name: (value, math.hypot(error, more)) for (name, error), value, more in zip(DECIDING.items(), values, own, strict=True)}
+def _numbers(machines: Drawn, ring: Array) -> dict[str, tuple[Array, float, float]]:
+    """Numbers that a curve or a measurement would give: values for the machines, error of that, and error of the emulator."""
+    halves = dict(zip(RUNS, machines.predicted.by_run["post_over_pre_frequency"], strict=True))
+    of_halves = {
+        f"frequency after the return over that before it in run {run}": (-halves[run].mean, 0.007, halves[run].error) for run in HALVES
+    }
+    return {
+        "frequency of the vibration after the return in run 24, Hz": (
+            ring,
+            4.0,
+            float(np.median(ring)) * machines.predicted.single["ring"].error,
+        ),
+        **of_halves,
+        "static stiffness of the roller after the return, decades": (np.log10(machines.column("plus")), 0.1, 0.0),
+        "preload, N": (machines.preload, 1.0, 0.0),
+    }
 
 
 def _errors(predicted: Predicted) -> dict[str, float]:
