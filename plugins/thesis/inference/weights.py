@@ -223,15 +223,11 @@ def information(kinds: NDArray[np.intp], weights: Array, values: Array, error: f
 def _numbers(machines: Drawn, ring: Array) -> dict[str, tuple[Array, float, float]]:
     """Numbers that a curve or a measurement would give: values for the machines, error of that, and error of the emulator."""
     halves = dict(zip(RUNS, machines.predicted.by_run["post_over_pre_frequency"], strict=True))
-    of_halves = {
-        f"frequency after the return over that before it in run {run}": (-halves[run].mean, 0.007, halves[run].error) for run in HALVES
-    }
+    after = "frequency after the return over that before it in run"
+    of_halves = {f"{after} {run}": (-halves[run].mean, 0.007, halves[run].error) for run in HALVES}
+    of_ring = float(np.median(ring)) * machines.predicted.single["ring"].error
     return {
-        "frequency of the vibration after the return in run 24, Hz": (
-            ring,
-            4.0,
-            float(np.median(ring)) * machines.predicted.single["ring"].error,
-        ),
+        "frequency of the vibration after the return in run 24, Hz": (ring, 4.0, of_ring),
         **of_halves,
         "static stiffness of the roller after the return, decades": (np.log10(machines.column("plus")), 0.1, 0.0),
         "preload, N": (machines.preload, 1.0, 0.0),

@@ -73,7 +73,7 @@ def twisted(eccentricity: float, elements: int = 16) -> float:
     system.AddLoad(Torque(markerNumber=last, loadVector=[-force * eccentricity, 0, 0]))
     system.Assemble()
     settings = exu.SimulationSettings()
-    settings.solutionSettings.writeSolutionToFile = False
+    settings.solution.file.write = False
     settings.staticSolver.verboseMode = 0
     settings.staticSolver.newton.relativeTolerance = 1e-10
     system.SolveStatic(settings)
@@ -87,3 +87,13 @@ def test_a_three_dimensional_model_twists_as_the_formula_says() -> None:
     assert eccentricity * twisted(eccentricity) == pytest.approx(1.0 / by_formula.stiffness, rel=1e-3)
     assert by_formula.stiffness == pytest.approx(52.4e3, rel=1e-2)
     assert by_formula.eccentricity > by_formula.half_width  # the contact would have to lie outside the strip
+
+
+def test_the_third_mode_of_the_crank_held_lies_at_132_hz_and_bends_gauges_1_and_3_against_gauge_2() -> None:
+    modes = [frozen_crank_modes(SCENE, float(angle), 3) for angle in np.linspace(0.0, math.pi, 61)]
+    second, third = np.array([each.frequencies[1:] for each in modes]).T
+    assert third.min() < 132.0 < third.max()
+    assert second.max() < 70.0
+    signs = np.sign([each.curvature(np.array(SCENE.follower.strain_gauges))[2] for each in modes])
+    assert np.all(signs[:, 0] == signs[:, 2])
+    assert np.all(signs[:, 0] == -signs[:, 1])
