@@ -53,12 +53,9 @@ def thesis(content: ThesisData) -> Chapter:
 
 
 def finding(ratios: Mapping[str, Sequence[float]]) -> str:
-    """How stiff the single cubic is; `ratios`: half -> its frequencies over the converged ones."""
-    return _stiffness(ratios) if all(ratios.values()) else "Its model beside the converged one"
-
-
-def _stiffness(ratios: Mapping[str, Sequence[float]]) -> str:
-    """How stiff the single cubic is in both halves."""
+    """How stiff the single cubic is in both halves; `ratios`: half -> its frequencies over the converged ones."""
+    if not all(ratios.values()):
+        return "Its model beside the converged one"
     pre, post = (float(np.median(ratios[half])) for half in HALVES)
     stiff = "stiff" if pre - 1.0 + post - 1.0 > 0.0 else "soft"
     alike = " alike" if abs(post - pre) < SAME_EFFECT * abs(pre - 1.0) else ""

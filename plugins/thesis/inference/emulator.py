@@ -34,7 +34,7 @@ def features(machines: Array, mass: Array | float = 0.0) -> Array:
     `mass`: of the slider beyond the compliance, kg, which lowers the stiffness that the first mode meets by m omega^2.
     """
     of = dict(zip(NAMES, np.asarray(machines).T, strict=True))
-    loaded, clearance = np.vectorize(preload_of)(of["joint"]), np.vectorize(clearance_of)(of["joint"])
+    loaded, clearance = preload_of(of["joint"]), clearance_of(of["joint"])
     plus, minus = (of[side] - 1e-3 * mass * FIRST_MODE**2 for side in ("plus", "minus"))
     columns = [np.log(of["stiffness"])]
     for own, other in ((plus, minus), (minus, plus)):

@@ -9,7 +9,7 @@ from quickreturn.plugins.thesis.inference.unknowns import NAMES, PRINTED, UNKNOW
 from quickreturn.plugins.thesis.inference.weights import EXPLANATIONS, MAIN, PRIORS, SETS, SOFT_AFTER, Inference
 from quickreturn.plugins.thesis.inference.words import LABELS, RING_FREQUENCY, RING_SEEN
 from quickreturn.reports.tables.table import Column, Table
-from quickreturn.reports.words import number, percent, percents, span
+from quickreturn.reports.words import HALF, number, percent, percents, span
 
 #: Votes that are no statement of the file.
 _WORDS: Final = {
@@ -26,11 +26,12 @@ def headline(inference: Inference) -> str:
         [inference.weights["untold"][words][SOFT_AFTER] for words in ("frequencies", MAIN)],
         inference.weights["tightened"]["frequencies"][SOFT_AFTER],
     )
+    ring = span(inference.rings[SOFT_AFTER][0], inference.rings[SOFT_AFTER][2], ".0f")
     return (
-        f"Every explanation that survives has a strip stiffer than printed ({span(low, high, '.2f')} times, 90 %). What makes the halves"
-        f" differ is not found: a roller that is soft after the return and hardly preloaded has {percent(first, '.0f')} of the weight by"
-        f" the frequencies, {percent(tightened, '.0f')} if section 3.2, which calls the rollers tightened, is taken at its word,"
-        f" and {percent(with_ring, '.0f')} with the printed 132 Hz. The frequency of that vibration in run 24 would decide"
+        f"Every machine that fits the words has a strip stiffer than printed ({span(low, high, '.2f')} times, 90 %). Why the halves differ is"
+        f" open: by the frequencies a roller that is soft after the return and hardly preloaded leads with {percent(first, '.0f')} of the"
+        f" weight, {percent(tightened, '.0f')} if it is taken at its word that the rollers were tightened (section 3.2); but it rings at"
+        f" {ring} Hz where 132 Hz is printed, which leaves it {percent(with_ring, '.1f')}. That frequency in run 24 would decide"
     )
 
 
@@ -41,19 +42,15 @@ def against(inference: Inference) -> str:
     others = max((vote for vote in inference.votes if vote.id in SETS[MAIN][0]), key=lambda vote: vote.cost[0])
     words = _words(others.id)
     found, count = inference.judged
+    after, before = sorted(inference.errors[f"{half}_frequency"] for half in HALF)
     return (
         f"By the frequencies alone, run 24 would ring after the return at {rings[SOFT_AFTER]} Hz with such a roller, at {rings[3]} Hz with"
         f" clearance, at {rings[4]} Hz with a joint nearly alike on both sides (80 %, if it rings at all). The printed 132 Hz takes"
         f" {number(frequency.cost[0], '.1f')} decades of evidence; of these statements the dearest is “{words}”"
         f" ({number(others.cost[0], '.1f')} decades). Fits found a frequency in {found} of {count} halves; the others have the emulator’s"
-        f" value. Its error at machines that it has not seen is {percents(*_held_out(inference), '.1f')} of a frequency and"
+        f" value. Its error at machines that it has not seen is {percents(after, before, '.1f')} of a frequency and"
         f" {percent(inference.errors['pre_amplitude'], '.0f')} of an amplitude, and counts in every probability."
     )
-
-
-def _held_out(inference: Inference) -> tuple[float, float]:
-    errors = sorted(inference.errors[f"{half}_frequency"] for half in ("pre", "post"))
-    return errors[0], errors[1]
 
 
 def weights(inference: Inference) -> Table:

@@ -103,23 +103,24 @@ def changes_of_machine(machine: Array, run: int) -> dict[str, float]:
     }
     if math.isinf(of["plus"]):
         return changes
+    key, value = ("clearance", clearance_of(of["joint"])) if of["joint"] < 0.0 else ("preload", preload_of(of["joint"]))
     return changes | {
         "slider.joint_stiffness_plus": 1e3 * of["plus"],
         "slider.joint_stiffness_minus": 1e3 * of["minus"],
         "slider.contact_damping": of["loss"],
         "follower.material_damping": MATERIAL_DAMPING,
-        **({"slider.clearance": clearance_of(of["joint"])} if of["joint"] < 0.0 else {"slider.preload": preload_of(of["joint"])}),
+        f"slider.{key}": float(value),
     }
 
 
-def clearance_of(joint: float) -> float:
+def clearance_of(joint: Array | float) -> Array:
     """Clearance, m."""
-    return CLEARANCE * max(0.0, -joint)
+    return CLEARANCE * np.maximum(0.0, -joint)
 
 
-def preload_of(joint: float) -> float:
+def preload_of(joint: Array | float) -> Array:
     """Preload, N."""
-    return PRELOAD * max(0.0, joint) ** 2
+    return PRELOAD * np.maximum(0.0, joint) ** 2
 
 
 def scene_of(machine: Array, run: int) -> Mechanism:

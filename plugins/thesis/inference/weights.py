@@ -93,7 +93,7 @@ class Drawn:
     @property
     def preload(self) -> Array:
         """N, shape (n,)."""
-        return np.vectorize(preload_of)(self.column("joint"))
+        return preload_of(self.column("joint"))
 
     def column(self, name: str) -> Array:
         """An unknown of all machines, shape (n,)."""
@@ -199,7 +199,7 @@ def infer(rows: tuple[Row, ...], measured: Mapping[str, Mapping[int, float]]) ->
         },
         rings=tuple(quantiles(ring, np.where(kinds == kind, first, 0.0), (0.1, 0.5, 0.9)) for kind in range(count)),
         best=tuple(likeliest(int(kind)) for kind in np.argsort(np.bincount(kinds, main, count))[::-1][:3]),
-        errors=_errors(machines.predicted),
+        errors={name: float(np.median([each.error for each in of_runs])) for name, of_runs in machines.predicted.by_run.items()},
         judged=(sum(value is not None for row in rows for value in (*row.pre, *row.post)), 2 * len(rows) * len(RUNS)),
     )
 
@@ -232,8 +232,3 @@ def _numbers(machines: Drawn, ring: Array) -> dict[str, tuple[Array, float, floa
         "static stiffness of the roller after the return, decades": (np.log10(machines.column("plus")), 0.1, 0.0),
         "preload, N": (machines.preload, 1.0, 0.0),
     }
-
-
-def _errors(predicted: Predicted) -> dict[str, float]:
-    errors = {name: float(np.median([each.error for each in of_runs])) for name, of_runs in predicted.by_run.items()}
-    return errors | {name: each.error for name, each in predicted.single.items()}
