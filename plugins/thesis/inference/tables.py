@@ -28,10 +28,10 @@ def headline(inference: Inference) -> str:
     )
     ring = span(inference.rings[SOFT_AFTER][0], inference.rings[SOFT_AFTER][2], ".0f")
     return (
-        f"Every machine that fits the words has a strip stiffer than printed ({span(low, high, '.2f')} times, 90 %). Why the halves differ is"
-        f" open: by the frequencies a roller that is soft after the return and hardly preloaded leads with {percent(first, '.0f')} of the"
-        f" weight, {percent(tightened, '.0f')} if it is taken at its word that the rollers were tightened (section 3.2); but it rings at"
-        f" {ring} Hz where 132 Hz is printed, which leaves it {percent(with_ring, '.1f')}. That frequency in run 24 would decide"
+        f"Every machine that fits the words has a strip stiffer than printed ({span(low, high, '.2f')} times, 90 %). Why the halves differ"
+        f" is open: by the frequencies a roller that is soft after the return and hardly preloaded leads with {percent(first, '.0f')} of"
+        f" the weight, {percent(tightened, '.0f')} if it is taken at its word that the rollers were tightened (section 3.2); but it rings"
+        f" at {ring} Hz where 132 Hz is printed, which leaves it {percent(with_ring, '.1f')}. That frequency in run 24 would decide"
     )
 
 

@@ -1,20 +1,24 @@
 """The inference finds invented machines again, from statements on them in the thesis' vocabulary."""
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from quickreturn.plugins.thesis import records
+from quickreturn.plugins.thesis.inference.confirmation import RUNS as CONFIRMED
 from quickreturn.plugins.thesis.inference.emulator import Emulated
 from quickreturn.plugins.thesis.inference.study import RUNS
 from quickreturn.plugins.thesis.inference.unknowns import NAMES, spread
 from quickreturn.plugins.thesis.inference.weights import (
     EXPLANATIONS,
+    MAIN,
     PRIORS,
     SETS,
     SOFT_AFTER,
@@ -144,3 +148,39 @@ def test_every_machine_has_one_explanation() -> None:
     counts = np.bincount(machines().explanation, minlength=len(EXPLANATIONS))
     assert counts.sum() == len(machines().machines)
     assert min(counts) > 20
+
+
+def test_the_documents_say_what_the_record_says() -> None:
+    found = inferred()
+    root = Path(__file__).parents[4]
+    readme, document = (" ".join((root / name).read_text("utf-8").split()) for name in ("README.md", "docs/thesis.md"))
+    untold, tightened = (found.weights[prior]["frequencies"][SOFT_AFTER] for prior in PRIORS)
+    assert f"({100.0 * untold:.0f} % of the weight; {100.0 * tightened:.0f} % if the rollers were tightened" in readme
+    low, _, high = found.intervals["stiffness"]
+    assert f"a strip {low:.2f} to {high:.2f} times as stiff as printed" in document
+    ring = found.rings[SOFT_AFTER]
+    assert f"rings at {ring[0]:.0f} to {ring[2]:.0f} Hz after the return" in document
+    assert ring[2] < 100.0
+    lines = [
+        ("untold", "frequencies"),
+        ("tightened", "frequencies"),
+        ("untold", MAIN),
+        ("tightened", MAIN),
+        ("untold", "and the ring, ± 20 Hz"),
+    ]
+    table = re.findall(r"\| ([\d.]+) \| ([\d.]+) \| ([\d.]+) \| ([\d.]+) \|", document)
+    for (prior, words), cells in zip(lines, table, strict=True):
+        assert [float(cell) for cell in cells] == pytest.approx([100.0 * each for each in found.weights[prior][words][1:]], abs=0.5)
+    costs = {vote.id: vote for vote in found.votes}
+    assert f"takes {costs['pre-amplitude'].cost[0]:.1f} decades" in document
+    assert f"a probability of {100.0 * costs['post-excess'].of_explanations[3]:.0f} % there" in document
+    assert f"It tells {max(bits for name, (_, bits) in found.deciding.items() if 'run' in name):.1f} bits" in document
+
+
+def test_two_engines_agree_on_the_likeliest_machines() -> None:
+    rows = records.confirmed()
+    assert {row.run for row in rows} == set(CONFIRMED)
+    machines = {row.machine for row in rows}
+    best = {tuple(float(f"{number:.3g}") for number in machine) for machine in inferred().best}
+    assert best < machines
+    assert sum(row.missed for row in rows) <= 0.01 * sum(row.compared for row in rows)

@@ -70,7 +70,9 @@ def test_the_bias_is_common_to_all_runs() -> None:
     shifted = float(votes["post-excess"][0] @ weights)
     assert 0.1 < shifted < norm.sf(2.0 / 3.0) + 0.15
     alone, _ = likelihoods(predicted(1.0), published(), bias=0.0)
-    assert alone["post-excess"][0, 0] < 1e-3 < shifted
+    shown = MISREAD / 2.0 + (1.0 - MISREAD) * norm.sf(math.log(1.02) / (math.sqrt(2.0) * READING))
+    assert alone["post-excess"][0, 0] == pytest.approx(binom.sf(least_number(0.5, len(RUNS)) - 1, len(RUNS), shown), rel=1e-9)
+    assert shifted > 50.0 * alone["post-excess"][0, 0]
 
 
 def test_the_ring_votes_twice() -> None:
