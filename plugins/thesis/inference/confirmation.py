@@ -13,6 +13,7 @@ from quickreturn.cases.comparison.engines import REFERENCE, compare
 from quickreturn.cases.library.thesis.runs import run_case
 from quickreturn.cases.motion.cycle import HALVES
 from quickreturn.cases.motion.request import RunRequest
+from quickreturn.cases.running.job import MISSING
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.plugins.thesis.inference.unknowns import changes_of_machine
 
@@ -34,7 +35,7 @@ class Confirmation:
 
 
 def confirmed(machines: Sequence[Sequence[float]], workshop: Workshop) -> list[Confirmation]:
-    """Every machine in every run of `RUNS`. KeyboardInterrupt: Ctrl-C; finished runs are stored."""
+    """Every machine in every run of `RUNS` that is in the workshop. KeyboardInterrupt: Ctrl-C; finished runs are stored."""
     pairs = [(tuple(float(f"{number:.3g}") for number in machine), run) for machine in machines for run in RUNS]
     requests = {}
     for (machine, run), name in product(pairs, ENGINES):
@@ -44,6 +45,8 @@ def confirmed(machines: Sequence[Sequence[float]], workshop: Workshop) -> list[C
     runs, rows = carry_out(requests, workshop, "two engines on the likeliest machines"), list[Confirmation]()
     for machine, run in pairs:
         engines = {name: runs[json.dumps(machine), str(run), name] for name in ENGINES}
+        if any(each.cause == MISSING for each in engines.values()):
+            continue
         pre, post = (tuple(each.consensus_frequency(half) if each.usable else None for each in engines.values()) for half in HALVES)
         agreement = compare(run_case(run), engines).agreement
         agree, disagree = agreement["agree"], agreement["disagree"]

@@ -6,8 +6,10 @@ with clearance has no preload; by its square small preloads are more frequent th
 
 import functools
 import math
+import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
+from importlib.resources import files
 from typing import Final
 
 import numpy as np
@@ -29,26 +31,15 @@ class Unknown:
     words: str  # for people, with the unit
     low: float
     high: float
-    is_log: bool
+    printed: float  # of the model as published
     reason: str  # why this range
+    is_log: bool = False
 
 
-#: The ranges are assumed; all weights hold for these alone.
-UNKNOWNS: Final = (
-    Unknown(
-        "stiffness", "bending stiffness over the printed one", 0.9, 1.35, False, "printed; 1.147 and 1.218 with the modulus of 6061, 2024"
-    ),
-    Unknown("plus", "roller that carries after the return, kN/m", 3.0, 300.0, True, "a soft rubber tyre to a steel roller on a thin pin"),
-    Unknown("minus", "roller that carries before the return, kN/m", 3.0, 300.0, True, "likewise"),
-    Unknown(
-        "joint", "clearance (−1: 0.2 mm) to preload (1: 30 N, as the square)", -0.45, 1.0, False, "loose to well tightened (section 3.2)"
-    ),
-    Unknown("tip", "tip body's centre beyond the end, in", 0.0, 0.5, False, "an inch of strip beyond the end counts as tip body"),
-    Unknown("damping", "damping of the follower over the printed one", 0.5, 4.0, True, "its printed unit is illegible"),
-    Unknown("crank", "mass of the crank over the printed one", 0.2, 2.0, True, "printed for the simulation alone"),
-    Unknown("loss", "loss of a roller's contact, s/m", 0.05, 2.0, True, "rubber to metal (Hunt and Crossley)"),
-)
+_DATA: Final = tomllib.loads((files(__package__) / "unknowns.toml").read_text("utf-8"))
+UNKNOWNS: Final = tuple(Unknown(**entry) for entry in _DATA["unknown"])
 NAMES: Final = tuple(unknown.name for unknown in UNKNOWNS)
+PRINTED: Final[Mapping[str, float]] = {unknown.name: unknown.printed for unknown in UNKNOWNS}
 #: Clearance (m) at `joint` = -1, preload (N) at `joint` = 1.
 CLEARANCE: Final = 2e-4
 PRELOAD: Final = 30.0
@@ -57,28 +48,12 @@ MATERIAL_DAMPING: Final = 2e-5
 #: Number of Sobol points, and the seed of their scrambling.
 SOBOL: Final = 96
 SEED: Final = 1999
-#: Chosen points: changes of the machine as published with a rigid joint; the rest of a row is `PRINTED`.
-PRINTED: Final[Mapping[str, float]] = dict(zip(NAMES, (1.0, math.inf, math.inf, 0.0, 0.0, 1.0, 1.0, 0.5), strict=True))
-CHOSEN: Final[tuple[Mapping[str, float], ...]] = (
-    {},
-    {"stiffness": 1.147},
-    {"stiffness": 1.218},
-    {"stiffness": 1.218, "tip": 0.25},
-    {"stiffness": 1.218, "plus": 10.0, "minus": 300.0},
-    {"stiffness": 1.218, "plus": 20.0, "minus": 300.0},
-    {"stiffness": 1.218, "plus": 10.0, "minus": 300.0, "joint": 0.5},
-    {"stiffness": 1.218, "plus": 10.0, "minus": 10.0, "joint": 0.8},
-    {"stiffness": 1.218, "plus": 100.0, "minus": 100.0, "joint": -0.5},
-    {"stiffness": 1.147, "plus": 100.0, "minus": 100.0, "joint": -0.25},
-    {"stiffness": 1.218, "plus": 300.0, "minus": 300.0, "joint": 0.7, "damping": 3.0, "crank": 0.3},
-    {"stiffness": 1.218, "plus": 40.0, "minus": 300.0, "joint": -0.25},
-)
 
 
 @functools.cache
 def points() -> Array:
     """The machines that are computed, shape (`SOBOL` + chosen, unknowns)."""
-    chosen = [[{**PRINTED, **changes}[name] for name in NAMES] for changes in CHOSEN]
+    chosen = [[{**PRINTED, **changes}[name] for name in NAMES] for changes in _DATA["chosen"]]
     return np.vstack([chosen, spread(qmc.Sobol(len(NAMES), seed=SEED).random_base2(7)[:SOBOL])])
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from quickreturn.plugins.thesis.inference.emulator import FEWEST, Emulator, features
-from quickreturn.plugins.thesis.inference.unknowns import CHOSEN, NAMES, points, spread
+from quickreturn.plugins.thesis.inference.unknowns import NAMES, SOBOL, points, spread
 
 GENERATOR = np.random.default_rng(7)
 MACHINES = spread(GENERATOR.random((120, len(NAMES))))
@@ -49,4 +49,4 @@ def test_a_tight_preload_makes_both_sides_alike_and_a_rigid_joint_has_no_complia
 
 def test_points_are_the_same_every_time_and_lie_within_their_ranges() -> None:
     assert np.array_equal(points(), points())
-    assert len(np.unique(points(), axis=0)) == len(points()) > len(CHOSEN)
+    assert len(np.unique(points(), axis=0)) == len(points()) > SOBOL
