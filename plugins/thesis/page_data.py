@@ -49,11 +49,6 @@ class ThesisData(Content):
         return self.of(inference_of)
 
     @property
-    def confirmed(self) -> Sequence[Confirmation]:
-        """Two engines on the likeliest machines, as recorded."""
-        return self.of(confirmed_of)
-
-    @property
     def planted(self) -> Sequence[Planted]:
         """In how many runs errors of each size are found, as recorded."""
         return self.of(planted_of)

@@ -14,7 +14,7 @@ from quickreturn.plugins.thesis.axes import axis_comparisons, fits_worse
 from quickreturn.plugins.thesis.experiment.stiffness import below_aluminium
 from quickreturn.plugins.thesis.inference import tables
 from quickreturn.plugins.thesis.inference.spatial import twist
-from quickreturn.plugins.thesis.page_data import ThesisData
+from quickreturn.plugins.thesis.page_data import ThesisData, confirmed_of
 from quickreturn.reports.long_studies import about
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.results.engine_differences import Summary, differences, summary_of
@@ -47,7 +47,7 @@ def thesis(content: ThesisData) -> Chapter:
             "votes": tables.votes(inference),
             "deciding": tables.deciding(inference),
             "unknowns": tables.unknowns(inference),
-            "confirmed": tables.confirmed(content.confirmed),
+            "confirmed": tables.confirmed(content.of(confirmed_of)),
         }
     return Chapter("thesis", "What the thesis saw", tables.headline(inference) if inference else finding(of_halves), facts)
 

@@ -1,11 +1,8 @@
 """Frozen modes of run 24: the greatest first frequency, and where the vibration at the return goes if the slider has a mass of its own.
 
 The slider's mass in the model rides on the crank. A part of it, m, beyond the compliance k, moves with the follower, which then meets the
-dynamic stiffness k - m omega^2. In the mass-normalised modes phi_j of the follower on the spring alone,
-
-    (diag(omega_j^2) + 0) q = omega^2 (1 + m phi(s) phi(s)') q,
-
-whose smallest eigenvalues are the new frequencies (Craig and Kurdila, "Fundamentals of Structural Dynamics", 2006, chapter 15).
+dynamic stiffness k - m omega^2. With the mass-normalised modes phi_j of the follower on the spring alone as shapes, Rayleigh's quotient is
+q' diag(omega_j^2) q / q' (1 + m phi(s) phi(s)') q, whose stationary values are the squares of the new frequencies.
 """
 
 import functools

@@ -72,8 +72,9 @@ def published() -> Words:
     """What the thesis says."""
     by_id = {statement.id: statement for statement in statements()}
     alone = {axis.channel: axis.largest for axis in axis_labels(EXAMPLE) if axis.figure in ("3.7", "3.8")}
-    relations = tuple(each for each in by_id.values() if each.kind == "relation")
-    return Words(relations, by_id[FIRST_MODE].high, by_id[RING_FREQUENCY].low, True, alone)
+    return Words(
+        tuple(each for each in by_id.values() if each.kind == "relation"), by_id[FIRST_MODE].high, by_id[RING_FREQUENCY].low, True, alone
+    )
 
 
 def least_number(share: float, count: int) -> int:
