@@ -60,7 +60,7 @@ BUDGETS = {
     "plugins/pack": 430,
     "plugins/strength": 1_400,
     "plugins/studies": 2_510,
-    "plugins/thesis": 1_690,
+    "plugins/thesis": 1_320,
 }
 
 

@@ -6,11 +6,12 @@ from typing import Final
 from quickreturn.plugins.thesis.experiment import statements
 from quickreturn.plugins.thesis.inference.confirmation import ENGINES, Confirmation
 from quickreturn.plugins.thesis.inference.unknowns import NAMES, PRINTED, UNKNOWNS
-from quickreturn.plugins.thesis.inference.weights import EXPLANATIONS, MAIN, PRIORS, SETS, SOFT_AFTER, Inference
+from quickreturn.plugins.thesis.inference.weights import EXPLANATIONS, MAIN, MASS, PRIORS, SETS, SOFT_AFTER, Inference
 from quickreturn.plugins.thesis.inference.words import LABELS, RING_FREQUENCY, RING_SEEN
 from quickreturn.reports.tables.table import Column, Table
 from quickreturn.reports.words import HALF, number, percent, percents, span
 
+_QUANTILES: Final = ("quantile_5", "quantile_50", "quantile_95")
 #: Votes that are no statement of the file.
 _WORDS: Final = {
     RING_SEEN: "In the tip acceleration of run 24 a fast vibration is seen about the return.",
@@ -109,11 +110,19 @@ def unknowns(inference: Inference) -> Table:
         "finding_unknowns",
         """What the thesis leaves open, the range in which machines are drawn (evenly, or evenly in the logarithm), and the quantiles that
         the statements on frequencies and ring leave under the prior untold.""",
-        ("unknown", "range", "reason", *(Column(f"quantile_{at}", f"{at} %", "", ".3g", group="quantile") for at in (5, 50, 95))),
+        (
+            "unknown",
+            "range",
+            "reason",
+            *(Column(name, name.replace("quantile_", "") + " %", "", ".3g", group="quantile") for name in _QUANTILES),
+        ),
     )
     for unknown in UNKNOWNS:
-        ends = dict(zip(("quantile_5", "quantile_50", "quantile_95"), inference.intervals[unknown.name], strict=True))
+        ends = dict(zip(_QUANTILES, inference.intervals[unknown.name], strict=True))
         table.add(unknown=unknown.words, range=span(unknown.low, unknown.high, ".3g"), reason=unknown.reason, **ends)
+    ends = dict(zip(_QUANTILES, inference.intervals["mass"], strict=True))
+    reason = "half of the machines have none; by a hand model (rollers, coupler)"
+    table.add(unknown="mass of the slider beyond the compliance, kg", range=span(0.0, MASS, ".3g"), reason=reason, **ends)
     return table
 
 
@@ -131,5 +140,5 @@ def confirmed(rows: Sequence[Confirmation]) -> Table:
         cells |= {f"post_{name}": value for name, value in zip(ENGINES, row.post, strict=True)}
         of = dict(zip(NAMES, row.machine, strict=True))
         text = ", ".join(f"{name} {value:g}" for name, value in of.items() if value != PRINTED[name])
-        table.add(machine=text or "as printed", run=row.run, compared=row.compared, missed=row.missed, **cells)
+        table.add(row, machine=text or "as printed", **cells)
     return table
