@@ -7,7 +7,7 @@ from quickreturn.cases.comparison.engines import REFERENCE, CaseResult
 from quickreturn.engines.registry import MODEL, own_engines
 from quickreturn.plugins.thesis.axes import COLUMNS, AxisComparison, axis_comparisons, fits_worse, measured_alone, ratios_of
 from quickreturn.plugins.thesis.experiment import channel_is_usable, measured_crank_speed
-from quickreturn.plugins.thesis.experiment.stiffness import below_aluminium
+from quickreturn.plugins.thesis.experiment.published import below_aluminium
 from quickreturn.plugins.thesis.measured import counts
 from quickreturn.plugins.thesis.page_data import ThesisData
 from quickreturn.plugins.thesis.runs import thesis_runs

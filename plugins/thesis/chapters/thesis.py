@@ -11,7 +11,7 @@ from quickreturn.cases.motion.cycle import HALVES
 from quickreturn.cases.motion.time_scale import CHANNELS
 from quickreturn.engines.registry import MODEL
 from quickreturn.plugins.thesis.axes import axis_comparisons, fits_worse
-from quickreturn.plugins.thesis.experiment.stiffness import below_aluminium
+from quickreturn.plugins.thesis.experiment.published import below_aluminium
 from quickreturn.plugins.thesis.inference import tables
 from quickreturn.plugins.thesis.inference.spatial import twist
 from quickreturn.plugins.thesis.page_data import ThesisData, confirmed_of

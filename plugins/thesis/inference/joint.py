@@ -15,6 +15,7 @@ from scipy.interpolate import RegularGridInterpolator
 from scipy.linalg import eigh
 
 from quickreturn.cases.library.thesis.runs import run_case
+from quickreturn.plugins.thesis.inference.study import EXAMPLE
 from quickreturn.plugins.thesis.inference.unknowns import changes_of_machine
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
@@ -22,7 +23,6 @@ from quickreturn.reference_model.scene_values import changed
 
 Array = NDArray[np.float64]
 
-EXAMPLE: Final = 24
 #: Crank angle in the middle of the return's first sixth, rad, and the number of modes there, of which the lowest are used.
 RETURN: Final = math.radians(390.0)
 MODES: Final = 12

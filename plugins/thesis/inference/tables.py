@@ -39,17 +39,14 @@ def headline(inference: Inference) -> str:
 def against(inference: Inference) -> str:
     """What the fast vibration says, in sentences."""
     rings = [span(of[0], of[2], ".0f") for of in inference.rings]
-    frequency = next(vote for vote in inference.votes if vote.id == RING_FREQUENCY)
-    others = max((vote for vote in inference.votes if vote.id in SETS[MAIN][0]), key=lambda vote: vote.cost[0])
-    words = _words(others.id)
     found, count = inference.judged
     after, before = sorted(inference.errors[f"{half}_frequency"] for half in HALF)
     return (
         f"By the frequencies alone, run 24 would ring after the return at {rings[SOFT_AFTER]} Hz with such a roller, at {rings[3]} Hz with"
         f" clearance, at {rings[4]} Hz with a joint nearly alike on both sides (80 %, if it rings at all). The printed 132 Hz takes"
-        f" {number(frequency.cost[0], '.1f')} decades of evidence; of these statements the dearest is “{words}”"
-        f" ({number(others.cost[0], '.1f')} decades). Fits found a frequency in {found} of {count} halves; the others have the emulator’s"
-        f" value. Its error at machines that it has not seen is {percents(after, before, '.1f')} of a frequency and"
+        f" {number(inference.costs[RING_FREQUENCY][0], '.1f')} decades of evidence, that the amplitudes before the return were very good"
+        f" {number(inference.costs['pre-amplitude'][0], '.1f')}: no machine has them. Fits found a frequency in {found} of {count} halves;"
+        f" the others have the emulator’s value. Its error at machines that it has not seen is {percents(after, before, '.1f')} of a frequency and"
         f" {percent(inference.errors['pre_amplitude'], '.0f')} of an amplitude, and counts in every probability."
     )
 
@@ -81,15 +78,12 @@ def votes(inference: Inference) -> Table:
         evidence that the statement takes from all others: of frequencies and the ring, or with the amplitudes of all.""",
         (Column("id", in_page=False), "statement", *columns, *costs),
     )
-    for vote in inference.votes:
-        cells = {f"explanation_{at}": share for at, share in enumerate(vote.of_explanations)}
-        cells |= {f"cost_{prior}": cost for prior, cost in zip(PRIORS, vote.cost, strict=True)}
-        table.add(id=vote.id, statement=_words(vote.id), **cells)
+    words = {each.id: each.words for each in statements()} | _WORDS
+    for vote, probabilities in inference.probabilities.items():
+        cells = {f"explanation_{at}": share for at, share in enumerate(probabilities)}
+        cells |= {f"cost_{prior}": cost for prior, cost in zip(PRIORS, inference.costs[vote], strict=True)}
+        table.add(id=vote, statement=words[vote], **cells)
     return table
-
-
-def _words(vote: str) -> str:
-    return _WORDS[vote] if vote in _WORDS else next(each.words for each in statements() if each.id == vote)
 
 
 def deciding(inference: Inference) -> Table:

@@ -58,21 +58,13 @@ HALVES: Final = (10, 18)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Vote:
-    """A statement: its probability, and what it costs."""
-
-    id: str
-    of_explanations: tuple[float, ...]  # probability under each of `EXPLANATIONS`, mean over its machines in the prior "untold"
-    cost: tuple[float, ...]  # decades of evidence that it takes from all others of its set, by prior: frequencies and ring, or all
-
-
-@dataclass(frozen=True, kw_only=True)
 class Inference:
     """The result."""
 
     weights: dict[str, dict[str, tuple[float, ...]]]  # prior -> set of votes, or "" for none -> weight of each of `EXPLANATIONS`
     evidence: dict[str, dict[str, float]]  # prior -> set -> decades of evidence
-    votes: tuple[Vote, ...]
+    probabilities: dict[str, tuple[float, ...]]  # vote -> mean over the machines of each explanation in the prior "untold"
+    costs: dict[str, tuple[float, ...]]  # vote -> decades that it takes from all others of its set, by prior: frequencies and ring, or all
     intervals: dict[str, tuple[float, ...]]  # unknown -> quantiles of 5, 50, 95 % by `MAIN`, prior "untold"
     deciding: dict[str, tuple[float, float]]  # number -> error of its measurement, and bits that it tells after the frequencies
     rings: tuple[tuple[float, ...], ...]  # of each explanation quantiles of 10, 50, 90 % of the ring, Hz, by the frequencies
@@ -164,9 +156,9 @@ def infer(rows: tuple[Row, ...], measured: Mapping[str, Mapping[int, float]]) ->
     posterior = {name: dict[str, Array]() for name in PRIORS}
     for words, (names, errors) in SETS.items():
         reading = machines.counted if words == COUNTED else machines.predicted
-        votes, nodes = spoken.likelihoods(reading, said, measured=measured, **errors)
+        likely, nodes = spoken.likelihoods(reading, said, measured=measured, **errors)
         for name, prior in priors.items():
-            posterior[name][words] = prior * together(votes, names, nodes)
+            posterior[name][words] = prior * together(likely, names, nodes)
 
     def shares(weights: Array) -> tuple[float, ...]:
         return tuple((np.bincount(kinds, weights, count) / weights.sum()).tolist())
@@ -180,7 +172,7 @@ def infer(rows: tuple[Row, ...], measured: Mapping[str, Mapping[int, float]]) ->
         likely, prior = (np.bincount(kinds, priors["untold"] * each, count) for each in (together(alone, (vote,), biases), 1.0))
         return tuple((likely / prior).tolist())
 
-    costs = {vote: tuple(cost(priors[name], vote) for name in PRIORS) for vote in spoken.VOTES if vote in alone}
+    votes = [vote for vote in spoken.VOTES if vote in alone]
     main, first = posterior["untold"][MAIN], posterior["untold"]["frequencies"]
     ring = np.exp(machines.predicted.single["ring"].mean)
     unknowns = dict(zip((*NAMES, "mass"), (*machines.machines.T, machines.mass), strict=True))
@@ -191,7 +183,8 @@ def infer(rows: tuple[Row, ...], measured: Mapping[str, Mapping[int, float]]) ->
     return Inference(
         weights={name: {"": shares(priors[name])} | {words: shares(each) for words, each in posterior[name].items()} for name in PRIORS},
         evidence={name: {words: math.log10(each.sum()) for words, each in posterior[name].items()} for name in PRIORS},
-        votes=tuple(Vote(id=vote, of_explanations=of_explanations(vote), cost=each) for vote, each in costs.items()),
+        probabilities={vote: of_explanations(vote) for vote in votes},
+        costs={vote: tuple(cost(priors[name], vote) for name in PRIORS) for vote in votes},
         intervals={name: quantiles(values, main) for name, values in unknowns.items()},
         deciding={
             name: (error, information(kinds, first, values, math.hypot(error, own)))

@@ -102,6 +102,8 @@ def likelihoods(
         error = (READING if frequency else AMPLITUDE) * (math.sqrt(2.0) if "over" in statement.quantity else 1.0)
         of_runs = {run: each for run, each in zip(RUNS, predicted.by_run[statement.quantity], strict=True) if math.isfinite(each.error)}
         recorded = {run: ratio for run, ratio in (measured or {}).get(statement.quantity, {}).items() if run in of_runs}
+        if recorded and "over" in statement.quantity:
+            continue  # its halves vote
         if recorded:
             parts = [_normal(of_runs[run], shift, error, math.log(ratio)) for run, ratio in recorded.items()]
             votes[statement.id] = np.prod(parts, axis=0)

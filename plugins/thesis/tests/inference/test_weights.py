@@ -171,9 +171,8 @@ def test_the_documents_say_what_the_record_says() -> None:
     table = re.findall(r"\| ([\d.]+) \| ([\d.]+) \| ([\d.]+) \| ([\d.]+) \|", document)
     for (prior, words), cells in zip(lines, table, strict=True):
         assert [float(cell) for cell in cells] == pytest.approx([100.0 * each for each in found.weights[prior][words][1:]], abs=0.5)
-    costs = {vote.id: vote for vote in found.votes}
-    assert f"takes {costs['pre-amplitude'].cost[0]:.1f} decades" in document
-    assert f"a probability of {100.0 * costs['post-excess'].of_explanations[3]:.0f} % there" in document
+    assert f"takes {found.costs['pre-amplitude'][0]:.1f} decades" in document
+    assert f"a probability of {100.0 * found.probabilities['post-excess'][3]:.0f} % there" in document
     assert f"It tells {max(bits for name, (_, bits) in found.deciding.items() if 'run' in name):.1f} bits" in document
 
 

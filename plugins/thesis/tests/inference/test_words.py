@@ -90,6 +90,13 @@ def test_a_recording_stands_in_the_place_of_the_words_on_its_quantity() -> None:
     assert all(np.array_equal(votes[name], words[name]) for name in FREQUENCIES if name != "pre-frequency")
 
 
+def test_recorded_halves_do_not_vote_twice() -> None:
+    measured = {name: {24: 1.02} for name in ("pre_frequency", "post_frequency", "post_over_pre_frequency")}
+    votes, _ = likelihoods(predicted(1.0), published(), measured=measured)
+    assert "post-excess" not in votes
+    assert {"pre-frequency", "post-frequency"} < set(votes)
+
+
 def test_a_number_that_is_not_known_in_any_run_does_not_vote() -> None:
     unknown = predicted(1.0, error=math.inf)
     assert "pre-frequency" not in likelihoods(unknown, published())[0]
