@@ -46,8 +46,8 @@ def against(inference: Inference) -> str:
         f" clearance, at {rings[4]} Hz with a joint nearly alike on both sides (80 %, if it rings at all). The printed 132 Hz takes"
         f" {number(inference.costs[RING_FREQUENCY][0], '.1f')} decades of evidence, that the amplitudes before the return were very good"
         f" {number(inference.costs['pre-amplitude'][0], '.1f')}: no machine has them. Fits found a frequency in {found} of {count} halves;"
-        f" the others have the emulator’s value. Its error at machines that it has not seen is {percents(after, before, '.1f')} of a frequency and"
-        f" {percent(inference.errors['pre_amplitude'], '.0f')} of an amplitude, and counts in every probability."
+        f" the others have the emulator’s value. Its error at machines that it has not seen is {percents(after, before, '.1f')} of a"
+        f" frequency and {percent(inference.errors['pre_amplitude'], '.0f')} of an amplitude, and counts in every probability."
     )
 
 

@@ -101,7 +101,8 @@ def likelihoods(
         shift = bias * nodes if frequency and statement.quantity.startswith("post") else np.zeros(1)
         error = (READING if frequency else AMPLITUDE) * (math.sqrt(2.0) if "over" in statement.quantity else 1.0)
         of_runs = {run: each for run, each in zip(RUNS, predicted.by_run[statement.quantity], strict=True) if math.isfinite(each.error)}
-        recorded = {run: ratio for run, ratio in (measured or {}).get(statement.quantity, {}).items() if run in of_runs}
+        ratios = (measured or {}).get(statement.quantity, {})
+        recorded = {run: ratio for run, ratio in ratios.items() if run in of_runs and run in statement.runs}
         if recorded and "over" in statement.quantity:
             continue  # its halves vote
         if recorded:
