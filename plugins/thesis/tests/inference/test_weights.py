@@ -182,4 +182,7 @@ def test_two_engines_agree_on_the_likeliest_machines() -> None:
     machines = {row.machine for row in rows}
     best = {tuple(float(f"{number:.3g}") for number in machine) for machine in inferred().best}
     assert best < machines
-    assert sum(row.missed for row in rows) <= 0.01 * sum(row.compared for row in rows)
+    assert sum(row.missed for row in rows) == 0
+    document = " ".join((Path(__file__).parents[4] / "docs/thesis.md").read_text("utf-8").split())
+    assert f"of {sum(row.compared for row in rows)} numbers none differs" in document
+    assert f"up to {100.0 * max(row.slower for row in records.finding()):.1f} % slower" in document
