@@ -49,16 +49,6 @@ class ThesisData(Content):
         return self.of(inference_of)
 
     @property
-    def planted(self) -> Sequence[Planted]:
-        """In how many runs errors of each size are found, as recorded."""
-        return self.of(planted_of)
-
-    @property
-    def starts(self) -> Sequence[Start]:
-        """Recorded settled cycles from other starts."""
-        return self.of(starts_of)
-
-    @property
     def thesis_results(self) -> list[CaseResult]:
         """Results of the runs of the thesis; its statements are about these only."""
         return list(thesis_runs(self.results).values())
@@ -70,7 +60,7 @@ class ThesisData(Content):
             return Subject()
         inferred = f"{headline(self.inference)}." if self.inference else ""
         fits = AXES_FIT if fits_worse(axis_comparisons(self.thesis_results)) else ""
-        found = found_words(self.planted)
+        found = found_words(self.of(planted_of))
         return Subject(
             arm="thin aluminium",
             consequence=", and the arm whips",

@@ -17,10 +17,12 @@ from quickreturn.plugins.thesis.inference.spatial import twist
 from quickreturn.plugins.thesis.page_data import ThesisData, confirmed_of
 from quickreturn.reports.long_studies import about
 from quickreturn.reports.page.chapter import Chapter
-from quickreturn.reports.results.engine_differences import Summary, differences, summary_of
+from quickreturn.reports.results.engine_differences import differences, summary_of
 from quickreturn.reports.tables.table import Column, Table
 from quickreturn.reports.words import HALF, channel_name, number, percents
 
+#: Columns of a spread -> unit and format.
+_SPREAD: Final = {"median": ("1", ".3f"), "least": ("1", ".3f"), "greatest": ("1", ".3f"), "runs": ("", "d")}
 #: Halves count as alike if the excess differs between them by less than this part of itself.
 SAME_EFFECT: Final = 0.1
 #: Stiffness, N/m, of a roller that lowers the frequency of its half by 2 %, the least that the words mean.
@@ -67,11 +69,12 @@ def finding(ratios: Mapping[str, Sequence[float]]) -> str:
 
 def ratios(results: Sequence[CaseResult]) -> Table:
     """Medians and ranges over the runs of thesis / reference."""
+    columns = [Column(f"{half}_{key}", key, *shown, group=HALF[half]) for half in HALVES for key, shown in _SPREAD.items()]
     table = Table(
         "thesis_over_reference",
         """The single cubic (thesis) over the converged solution (reference): medians and ranges over the runs, of first-mode frequency and
         amplitude where both resolve them, and of the peak over the half cycle.""",
-        ("quantity", "channel", *_spread_columns("1", ".3f")),
+        ("quantity", "channel", *columns),
     )
     rows: list[tuple[str, Kind, str | None]] = [("first-mode frequency", "frequency", None)]
     rows += [("first-mode amplitude", "amplitude", channel) for channel in CHANNELS]
@@ -82,20 +85,11 @@ def ratios(results: Sequence[CaseResult]) -> Table:
             compared = differences(results, MODEL, kind, half=half, channel=channel)
             values = _peak_ratios(compared) if kind == "extreme" else [difference.ratio for difference in compared]
             if short := summary_of(values):
-                cells |= _spread_cells(half, short)
+                spread = (short.median, short.lowest, short.highest, short.count)
+                cells |= {f"{half}_{key}": number for key, number in zip(_SPREAD, spread, strict=True)}
         if cells:
             table.add(quantity=label, channel=channel_name(channel), **cells)
     return table
-
-
-def _spread_columns(unit: str, form: str) -> list[Column]:
-    """Median, range and number of runs in each half."""
-    columns = (("median", "median", unit, form), ("low", "least", unit, form), ("high", "greatest", unit, form), ("runs", "runs", "", "d"))
-    return [Column(f"{half}_{key}", head, of, how, group=HALF[half]) for half in HALVES for key, head, of, how in columns]
-
-
-def _spread_cells(half: str, spread: Summary) -> dict[str, float]:
-    return {f"{half}_median": spread.median, f"{half}_low": spread.lowest, f"{half}_high": spread.highest, f"{half}_runs": spread.count}
 
 
 def _peak_ratios(extremes: Sequence[Difference]) -> list[float]:

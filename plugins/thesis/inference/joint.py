@@ -65,14 +65,9 @@ def _table() -> RegularGridInterpolator:
 
 
 def at_return(stiffness: Array, plus: Array, mass: Array) -> Array:
-    """Frequencies with the crank at 390 degrees (Hz, shape (n, `USED`)).
+    """Frequencies with the crank at 390 degrees (Hz, shape (n, `USED`)), which scale with the root of EI if k / EI and the mass stay.
 
-    Frequencies scale with the root of the bending stiffness if joint over bending stiffness and the mass stay.
-
-    Args:
-        stiffness: bending stiffness over the printed one, shape (n,).
-        plus: stiffness of the roller that carries after the return, kN/m, shape (n,).
-        mass: beyond it, kg, shape (n,).
+    `stiffness`: bending stiffness over the printed one; `plus`: roller after the return, kN/m; `mass`: beyond it, kg; each of shape (n,).
     """
     scaled = np.log(np.minimum(1e3 * plus / stiffness, STIFFNESSES[-1]))
     return np.sqrt(stiffness)[:, None] * _table()(np.column_stack([scaled, mass]))

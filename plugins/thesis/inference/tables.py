@@ -122,7 +122,7 @@ def unknowns(inference: Inference) -> Table:
 
 def confirmed(rows: Sequence[Confirmation]) -> Table:
     """Two engines on the likeliest machines and the printed one."""
-    columns = [Column(f"{half}_{name}", name, "Hz", ".2f", group=f"f₁ {half}") for half in ("pre", "post") for name in ENGINES]
+    columns = [Column(f"{half}_{name}", name, "Hz", ".2f", group=f"f₁, {HALF[half]}") for half in HALF for name in ENGINES]
     table = Table(
         "finding_confirmed",
         """The printed machine and the likeliest one of three explanations by two engines, compared within their claims as in every
@@ -130,8 +130,7 @@ def confirmed(rows: Sequence[Confirmation]) -> Table:
         ("machine", Column("run", form="d"), *columns, Column("compared", form="d"), Column("missed", form="d")),
     )
     for row in rows:
-        cells = {f"pre_{name}": value for name, value in zip(ENGINES, row.pre, strict=True)}
-        cells |= {f"post_{name}": value for name, value in zip(ENGINES, row.post, strict=True)}
+        cells = {f"{half}_{name}": value for half in HALF for name, value in zip(ENGINES, getattr(row, half), strict=True)}
         of = dict(zip(NAMES, row.machine, strict=True))
         text = ", ".join(f"{name} {value:g}" for name, value in of.items() if value != PRINTED[name])
         table.add(row, machine=text or "as printed", **cells)
