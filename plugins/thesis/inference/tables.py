@@ -53,7 +53,7 @@ def against(inference: Inference) -> str:
 
 def weights(inference: Inference) -> Table:
     """The weight of each explanation by each set of statements, under both priors."""
-    columns = [Column(f"explanation_{at}", words, "%", ".1f", group="weight") for at, words in enumerate(EXPLANATIONS)]
+    columns = [Column(name, unit="%", form=".1f", group="weight", meaning=words) for name, words in EXPLANATIONS.items()]
     table = Table(
         "finding_weights",
         """The weight of each explanation under two priors: untold, or with nine of ten machines tightened by more than 3 N as section 3.2
@@ -63,14 +63,14 @@ def weights(inference: Inference) -> Table:
     )
     for prior in PRIORS:
         for words in ("", *SETS):
-            cells = {f"explanation_{at}": weight for at, weight in enumerate(inference.weights[prior][words])}
+            cells = dict(zip(EXPLANATIONS, inference.weights[prior][words], strict=True))
             table.add(prior=prior, statements=words or "no statement", evidence=inference.evidence[prior].get(words), **cells)
     return table
 
 
 def votes(inference: Inference) -> Table:
     """The probability of each statement under each explanation, and what it costs."""
-    columns = [Column(f"explanation_{at}", words, "%", ".1f", group="probability") for at, words in enumerate(EXPLANATIONS)]
+    columns = [Column(name, unit="%", form=".1f", group="probability") for name in EXPLANATIONS]
     costs = [Column(f"cost_{prior}", prior, "decades", ".2f", group="cost") for prior in PRIORS]
     table = Table(
         "finding_statements",
@@ -80,7 +80,7 @@ def votes(inference: Inference) -> Table:
     )
     words = {each.id: each.words for each in statements()} | _WORDS
     for vote, probabilities in inference.probabilities.items():
-        cells = {f"explanation_{at}": share for at, share in enumerate(probabilities)}
+        cells = dict(zip(EXPLANATIONS, probabilities, strict=True))
         cells |= {f"cost_{prior}": cost for prior, cost in zip(PRIORS, inference.costs[vote], strict=True)}
         table.add(id=vote, statement=words[vote], **cells)
     return table

@@ -30,14 +30,14 @@ SHARE: Final = 0.9
 PRINTED: Final = 1.1
 SOFT: Final = 25.0
 SOFTER: Final = 1.5
-#: The explanations, in the order of their numbers.
-EXPLANATIONS: Final = (
-    "stiffness as printed, any joint",
-    "stiffer strip, roller soft after the return, preload up to 3 N",
-    "stiffer strip, roller soft after the return, tightened",
-    "stiffer strip, clearance",
-    "stiffer strip, joint nearly alike on both sides",
-)
+#: The explanations, in the order of their numbers: name -> words.
+EXPLANATIONS: Final[Mapping[str, str]] = {
+    "as_printed": "bending stiffness below 1.1 times the printed one, any joint",
+    "soft_after": "stiffer strip; the roller after the return below 25 kN/m and softer than the other, preload up to 3 N",
+    "soft_tightened": "the same with more preload",
+    "clearance": "stiffer strip, other joints with clearance",
+    "alike": "stiffer strip, other joints: nearly alike on both sides",
+}
 #: Number of the explanation that the words on the frequencies suggest.
 SOFT_AFTER: Final = 1
 #: Priors, and sets of votes with the errors that they assume.
