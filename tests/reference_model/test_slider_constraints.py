@@ -11,10 +11,10 @@ import pytest
 from quickreturn.reference_model.joint import Rollers
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.slider import Slider
-from quickreturn.reference_model.slider_constraint import CHORDS, CLOSED, LEVER, MULTIPLIER, ROLLERS, SliderConstraint
+from quickreturn.reference_model.slider_constraint import CHORDS, CLOSED, LEVER, MULTIPLIER, SliderConstraint
 from quickreturn.reference_model.thesis.model import shape_frequencies
 from tests.engines.scenes import run_24
-from tests.reference_model.motion.beam_runs import Array, balance, follower_energy, run, with_fine_tables
+from tests.reference_model.motion.beam_runs import Array, balance, run, with_fine_tables
 from tests.reference_model.motion.beam_states import COMPLIANT, EVERYTHING, HEAVY, ON_ELEMENTS, elements_of, modes_of, rates
 from tests.reference_model.thesis.thesis_runs import undriven
 
@@ -48,14 +48,6 @@ MODELS: Final[dict[str, tuple[Callable[[], BeamModel], Callable[[], BeamModel]]]
         lambda: BeamModel.staying(ON_ELEMENTS, elements_of(EVERYTHING, 4), STABILIZED),
     ),
 }
-
-
-@pytest.mark.parametrize("name", MODELS)
-def test_energy_is_conserved(name: str) -> None:
-    """Found: 2e-10 to 2e-9, of integration at 1e-10, quadrature and cubic tables."""
-    model = MODELS[name][0]()
-    _, columns = run(model, 0.5, 250, 1e-10)
-    assert np.ptp(balance(columns)) < 1e-8 * follower_energy(model, columns)
 
 
 @pytest.mark.parametrize("name", MODELS)
@@ -125,17 +117,6 @@ def test_frequencies_of_the_thesis_way_and_of_all_workless_constraints_agree(sha
     for constraint in (CLOSED, STABILIZED):
         found = BeamModel.staying(scene, family, constraint).natural_frequencies(angle, 3)
         np.testing.assert_allclose(found, expected, rtol=relative)
-
-
-def test_frequencies_of_the_spring_approach_the_rigid_ones_at_first_order() -> None:
-    scene = run_24()
-    family = modes_of(scene, 3)
-    rigid = BeamModel.staying(scene, family, STABILIZED).natural_frequencies(math.pi, 3)
-    springs = (SliderConstraint(kind=ROLLERS, rollers=Rollers(plus=stiffness, minus=stiffness)) for stiffness in (1e6, 1e7))
-    errors = [rigid[0] - BeamModel.staying(scene, family, spring).natural_frequencies(math.pi, 1)[0] for spring in springs]
-    assert errors[0] / errors[1] == pytest.approx(10.0, rel=0.01)  # second order in 1/k: 2e-3 of the first at 1e6 N/m
-    # converged: 20.354 Hz (transcendental equation of the supported beam); Rayleigh's principle puts three shapes above
-    assert 20.354 < rigid[0] < 20.6
 
 
 def test_lever_rule_makes_frequencies_complex() -> None:

@@ -104,13 +104,6 @@ def test_numbers_survive_the_grammar_exactly(number: float) -> None:
     assert parse_quantity(f"{number:.17e} m", units.LENGTH) == number
 
 
-@given(st.decimals(min_value="-1e6", max_value="1e6", places=6))
-def test_inches_and_metres_of_the_same_length_agree(inches: Decimal) -> None:
-    in_metres = inches * Decimal("0.0254")
-    # the same double: both are rounded once, from the same decimal number
-    assert parse_quantity(f"{inches:f} in", units.LENGTH) == parse_quantity(f"{in_metres:f} m", units.LENGTH)
-
-
 def read_or_refused(text: str, dimension: Dimension) -> float | str:
     """The value, or the sentence that refuses it; anything else is an error."""
     try:

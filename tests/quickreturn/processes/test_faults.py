@@ -95,22 +95,6 @@ def test_what_the_machine_did_to_an_engine_is_not_kept(campaign: Campaign) -> No
 
 @pytest.mark.usefixtures("no_resonance_curve")
 @pytest.mark.verify
-def test_a_report_names_them_too(place: Path, call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
-    names = ("sound", "segfaults", "not-installed")
-    monkeypatch.setattr("quickreturn.arguments.MAIN", names)
-    code, output, errors = call("report", "small.toml")
-    assert code == 3
-    assert "1 case, 3 simulations: 1 settled, 2 did not complete" in output
-    crashed, absent = errors.splitlines()
-    assert "segfaults failed: killed by SIGSEGV" in crashed
-    assert "not-installed unavailable" in absent
-    page = (place / "reports/output/index.html").read_text("utf-8")
-    assert "killed by SIGSEGV" in page
-    assert "no_such_library" in page
-
-
-@pytest.mark.usefixtures("no_resonance_curve")
-@pytest.mark.verify
 def test_a_report_asks_engines_as_run_does(place: Path, call: Call) -> None:
     """A run with the same settings and accuracy finds the report's result in the store."""
     asked = ("small.toml", "--engine", "sound", "--set", "sound.step=0.2", "--accuracy", "0.05")

@@ -3,10 +3,8 @@
 import os
 import subprocess
 import time
-import tracemalloc
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -21,13 +19,10 @@ from quickreturn.cases.running.job import Limits, Outcome
 from quickreturn.cases.running.key import key_of
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
-from quickreturn.dataset import dataset_file
-from quickreturn.plugins.studies.public import sweeping
 from quickreturn.plugins.studies.sweep import grid as of_grid
 from quickreturn.plugins.studies.sweep.grid import Grid, axis
 from quickreturn.plugins.studies.sweep.rows import MeasureRequest, Row
 from quickreturn.plugins.studies.sweep.study import study
-from quickreturn.reference_model.scene_values import Changes
 from tests.quickreturn.program import PROGRAM
 
 ASKED = MeasureRequest(measures=("peak.tip_acceleration", "multiplier"), claims=False)
@@ -135,29 +130,6 @@ def test_the_fold_of_run_24s_machine(tmp_path: Path) -> None:
     speeds = np.linspace(228.0, 244.0, 33)[found.two_motions]
     assert speeds.min() == pytest.approx(233.0, abs=1.0)
     assert speeds.max() == pytest.approx(239.0, abs=1.0)
-
-
-@pytest.mark.verify
-def test_ten_thousand_points_that_cost_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, record_property: Any) -> None:
-    """What a study of 100,000 points takes besides its points: a tenth of it is measured here."""
-
-    def costless(case: object, changes: tuple[Changes, ...], asked: MeasureRequest) -> Row:
-        values = np.ones((len(changes), len(asked.measures)))
-        return Row(values, values, (Ending.SETTLED,) * len(changes), ("",) * len(changes))
-
-    monkeypatch.setattr(of_grid, "measured_row", costless)
-    some = grid("tip.mass = 0 g .. 60 g : 100", "crank.prescribed_speed = 60 rpm .. 240 rpm : 100")
-    asked = MeasureRequest(measures=("peak.tip_acceleration", "multiplier", "pre.frequency", "post.frequency"))
-    began = time.process_time()
-    tracemalloc.start()
-    found = study(some, asked, Workshop(Store(tmp_path), ThisProcess()))
-    _, memory = tracemalloc.get_traced_memory()
-    tracemalloc.stop()
-    stored = sum(file.stat().st_size for file in tmp_path.iterdir()) / found.statuses.size
-    written = len(dataset_file(sweeping.dataset_of(found), ".nc")) / found.statuses.size
-    record_property("processor s a point", (time.process_time() - began) / found.statuses.size)
-    record_property("bytes a point in memory, store and file", (memory / found.statuses.size, stored, written))
-    assert max(stored, written, memory / found.statuses.size) < 2000.0
 
 
 @pytest.mark.verify
