@@ -37,7 +37,7 @@ FAULTS = {
     "cuts-the-line": "cut its connection to the runner",
     "fills-the-disk": "raised OSError: [Errno 28] No space left on device",
     "says-nonsense": "its result cannot be stored: Out of range float values are not JSON compliant",
-    "hangs": "stopped at the time limit of 6 s",  # the last engines are started first: all others run meanwhile
+    "hangs": "stopped at the time limit of 4 s",  # the last engines are started first: all others run meanwhile
 }
 
 
@@ -55,7 +55,7 @@ class Campaign:
     """One run of all faulty engines between two sound ones."""
 
     def __init__(self, folder: Path) -> None:
-        limits = ("--time-limit", "6 s", "--memory-limit", "0.25", "--jobs", "3")
+        limits = ("--time-limit", "4 s", "--memory-limit", "0.25", "--jobs", "3")
         program = started(
             "run", "--quiet", "small.toml", *engines("sound", *FAULTS, "also-sound"), *limits, "--json", folder=prepared(folder)
         )
