@@ -17,18 +17,44 @@ from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.registry import engine
 from quickreturn.engines.simple import SimpleEngine
 from quickreturn.plugins.conform import promises as ladder_checks
-from quickreturn.plugins.conform.bench import Bench, Fault, check_by
-from quickreturn.plugins.conform.columns import relation
+from quickreturn.plugins.conform.behaviour import failures, repetition
+from quickreturn.plugins.conform.bench import FOLLOWERS, Bench, Check, Fault, check_by, first_modelled
+from quickreturn.plugins.conform.columns import examined, relation
 from quickreturn.plugins.conform.contract import GROUPS, conform
-from quickreturn.plugins.conform.motion import check_first_row
-from quickreturn.plugins.conform.promises import climb, stated_errors
-from quickreturn.plugins.conform.quantities import with_everything
+from quickreturn.plugins.conform.motion import check_first_row, motion
+from quickreturn.plugins.conform.promises import climb, frequencies, ladder, stated_errors
+from quickreturn.plugins.conform.quantities import alone, followed, together, turning, with_everything
 from quickreturn.plugins.conform.scenes import BASE, CHANGES, CHANGES_ALONE, FEATURES
 from quickreturn.plugins.conform.tests.mutants import PLANTED, SOUND, Coarse, column, of_frequencies, of_scene
-from quickreturn.plugins.conform.tests.trying import tried
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.scene_values import NAMED, changed
 from tests.engines.test_simple import ToyEngine
+
+_GROUPS = {
+    "ladder": ladder,
+    "estimates": ladder,
+    "frequencies": frequencies,
+    "failures": failures,
+    "the same the second time": lambda bench: repetition(bench, "not tried"),
+    "the follower alone": alone,
+}
+
+
+def tried(engine: AnyEngine, name: str) -> Check:
+    """The check of this name, without most of those before it."""
+    bench = Bench(engine)
+    if name == "an arm that turns fully":
+        return check_by(name, turning, bench)
+    if name == "quantity with everything on":
+        return check_by(name, together, bench, bench.scene, FEATURES, frozenset(examined(bench, bench.mild).wrong))
+    kind, _, quantity = name.partition("quantity " if name.startswith("quantity ") else ": ")
+    for change in CHANGES if kind == "" else CHANGES_ALONE:
+        if change.name == quantity:
+            before = bench.mild if kind == "" else first_modelled(bench.engine, FOLLOWERS)
+            return check_by(name, followed, bench, before.scene, change, frozenset(examined(bench, before).wrong))
+    checks = next((checks for start, checks in _GROUPS.items() if name.startswith(start)), motion)(bench)
+    return next(check for check in checks if check.check == name)
+
 
 #: Mistakes of each kind that take a second: of a column, a quantity, frequencies, the joint, the drive, an arm that turns, a start.
 _QUICK = (
