@@ -1,8 +1,5 @@
 """Studies: the way through a row, points that are lost with their process, rows that are kept."""
 
-import os
-import subprocess
-import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -23,7 +20,6 @@ from quickreturn.plugins.studies.sweep import grid as of_grid
 from quickreturn.plugins.studies.sweep.grid import Grid, axis
 from quickreturn.plugins.studies.sweep.rows import MeasureRequest, Row
 from quickreturn.plugins.studies.sweep.study import study
-from tests.quickreturn.program import PROGRAM
 
 ASKED = MeasureRequest(measures=("peak.tip_acceleration", "multiplier"), claims=False)
 
@@ -121,34 +117,3 @@ def test_two_motions_are_flagged_where_the_ways_differ(tmp_path: Path, monkeypat
     monkeypatch.setattr(of_grid, "measured_row", folded)
     found = study(grid("crank.prescribed_speed = 1 rpm .. 5 rpm : 5"), ASKED, Workshop(Store(tmp_path), ThisProcess()), "both")
     assert found.two_motions.tolist() == [False, True, True, True, False]
-
-
-@pytest.mark.verify
-def test_the_fold_of_run_24s_machine(tmp_path: Path) -> None:
-    """Between 233 and 239 rpm the machine has two stable motions: which one it is in depends on how it got there."""
-    found = study(grid("crank.prescribed_speed = 228 rpm .. 244 rpm : 33"), ASKED, Workshop(Store(tmp_path), ThisProcess()), "both")
-    speeds = np.linspace(228.0, 244.0, 33)[found.two_motions]
-    assert speeds.min() == pytest.approx(233.0, abs=1.0)
-    assert speeds.max() == pytest.approx(239.0, abs=1.0)
-
-
-@pytest.mark.verify
-def test_a_study_that_is_killed_goes_on_and_gives_the_same_file(tmp_path: Path) -> None:
-    """A SIGKILL in the middle costs the rows that were being computed."""
-    command = [str(PROGRAM), "sweep", "thesis-24", "--vary", "crank.prescribed_speed = 80 rpm .. 120 rpm : 9"]
-    command += ["--vary", "tip.mass = 0 g .. 50 g : 6", "--no-claims", "--output"]
-
-    def environment(store: str) -> dict[str, str]:
-        return {**os.environ, "QUICKRETURN_STORE": str(tmp_path / store)}
-
-    with subprocess.Popen([*command, str(tmp_path / "killed.nc")], env=environment("killed")) as running:
-        while len(list((tmp_path / "killed").glob("*.result"))) < 2:
-            assert running.poll() is None
-            time.sleep(0.05)
-        running.kill()
-    kept = {file.name: file.stat().st_mtime_ns for file in (tmp_path / "killed").glob("*.result")}
-    assert not (tmp_path / "killed.nc").exists()
-    for name in ("killed", "whole"):
-        subprocess.run([*command, str(tmp_path / f"{name}.nc")], env=environment(name), check=True)
-    assert all((tmp_path / "killed" / name).stat().st_mtime_ns == written for name, written in kept.items())
-    assert (tmp_path / "killed.nc").read_bytes() == (tmp_path / "whole.nc").read_bytes()
