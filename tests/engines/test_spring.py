@@ -136,7 +136,7 @@ def test_at_rest_the_deflection_is_that_of_the_overhung_beam_on_an_elastic_suppo
         assert found[column][-1] == pytest.approx(expected, rel=3e-3), column
 
 
-@pytest.mark.parametrize("spring", [replace(MIDDLE, damping=0.0), MIDDLE, STOPPED], ids=["spring", "damper", "stops"])
+@pytest.mark.parametrize("spring", [MIDDLE, STOPPED], ids=["damper", "stops"])
 def test_energy_is_accounted_for(spring: Spring) -> None:
     trajectory = run("reference", run_24(spring=spring), 0.3, 1e-4).trajectory
     assert imbalance(trajectory) < 1e-5
