@@ -159,7 +159,7 @@ def test_an_encoder_whose_zero_is_off_is_told_by_its_angle(settled: pd.DataFrame
     assert float(told["crank_angle"].split("crank_angle is ")[1].split(" deg")[0]) == pytest.approx(abs(zero), abs=0.1)
     if abs(zero) < 180.0:
         assert f"deg too {'large' if zero > 0.0 else 'small'}" in told["crank_angle"]
-        assert f'HEADING = crank_angle [deg] {"+" if zero > 0.0 else "-"} ' in told["crank_angle"]  # as the table has it
+        assert f"HEADING = crank_angle [deg] {'+' if zero > 0.0 else '-'} " in told["crank_angle"]  # as the table has it
     assert not causes(run, steady).open
 
 
