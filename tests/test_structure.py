@@ -1,12 +1,10 @@
 """Which parts of the product import which, how large they are, and what is left without a plugin."""
 
 import ast
-import io
 import os
 import shutil
 import subprocess
 import sys
-import tokenize
 import tomllib
 from collections import Counter
 from functools import cache
@@ -60,7 +58,7 @@ BUDGETS = {
     "plugins/pack": 430,
     "plugins/strength": 1_400,
     "plugins/studies": 2_510,
-    "plugins/thesis": 1_690,
+    "plugins/thesis": 1_320,
 }
 
 
@@ -164,9 +162,7 @@ def test_every_room_keeps_its_budget() -> None:
 
 def lines_of_code(text: str) -> int:
     """Lines that hold code, without blank lines, comments, docstrings and imports."""
-    layout = (tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER)
-    tokens = [token for token in tokenize.generate_tokens(io.StringIO(text).readline) if token.type not in layout]
-    lines = {line for token in tokens for line in range(token.start[0], token.end[0] + 1)}
+    lines = {number for number, line in enumerate(text.splitlines(), 1) if line.strip() and not line.lstrip().startswith("#")}
     for node in ast.walk(ast.parse(text)):
         left_out: ast.stmt | None = node if isinstance(node, ast.Import | ast.ImportFrom) else None
         if isinstance(node, ast.FunctionDef | ast.ClassDef | ast.Module) and ast.get_docstring(node) is not None:

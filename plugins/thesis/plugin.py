@@ -7,7 +7,6 @@ PLUGIN = Plugin(
     page=f"{_HERE}.content:PAGE",
     records={
         "finding": f"{_HERE}.records:finding_rows",
-        "unprinted": f"{_HERE}.records:band_rows",
         "planted": f"{_HERE}.records:planted_rows",
         "starts": f"{_HERE}.records:start_rows",
     },

@@ -4,20 +4,22 @@ from collections.abc import Sequence
 from typing import Any
 
 from quickreturn.cases.running.workshop import Workshop
-from quickreturn.plugins.thesis import scatter, sharpness
+from quickreturn.plugins.thesis import sharpness
 from quickreturn.plugins.thesis import starts as other_starts
-from quickreturn.plugins.thesis.finding import study
+from quickreturn.plugins.thesis.inference import confirmation, study
+from quickreturn.plugins.thesis.inference.unknowns import points
+from quickreturn.plugins.thesis.inference.weights import infer
 from quickreturn.reports.long_studies import table
 
 
 def finding() -> list[study.Row]:
-    """The changes by each effect in the thesis' runs."""
+    """The machines of the inference."""
     return table("finding", study.Row)
 
 
-def bands() -> list[scatter.Band]:
-    """The bands of the thesis' runs over the scatter of unprinted quantities."""
-    return table("unprinted", scatter.Band)
+def confirmed() -> list[confirmation.Confirmation]:
+    """Two engines on the likeliest machines."""
+    return table("finding_confirmed", confirmation.Confirmation)
 
 
 def planted() -> list[sharpness.Planted]:
@@ -41,10 +43,7 @@ def start_rows(workshop: Workshop) -> dict[str, Sequence[Any]]:
 
 
 def finding_rows(workshop: Workshop) -> dict[str, Sequence[Any]]:
-    """Rows of the changes by each effect."""
-    return {"finding": study.study(workshop)}
-
-
-def band_rows(workshop: Workshop) -> dict[str, Sequence[Any]]:
-    """Rows of the bands."""
-    return {"unprinted": scatter.bands(workshop)}
+    """Rows of the machines, and of two engines on the printed one and the likeliest ones."""
+    rows = study.study(workshop)
+    best = [points()[0], *infer(tuple(rows), {}).best] if rows else []
+    return {"finding": rows, "finding_confirmed": confirmation.confirmed(best, workshop)}

@@ -11,8 +11,7 @@ from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Columns
-from quickreturn.reference_model.mechanism import PrescribedSpeed, Scene
-from quickreturn.reference_model.rigid import rigid_motion
+from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.spin_up import base_motion
 from tests.engines.scenes import run_24
 
@@ -31,17 +30,6 @@ def columns(engine: str, scene: Scene, accuracy: float = 1e-3, duration: float =
 def part(found: Any, right: Any) -> float:
     """RMS of the difference over the RMS."""
     return float(np.sqrt(np.mean((found - right) ** 2) / np.mean(right**2)))
-
-
-@pytest.mark.parametrize("engine", MAIN)
-def test_rate_and_acceleration_of_a_rigid_follower_are_those_of_the_closed_form(engine: str) -> None:
-    scene = run_24(follower={"bending_stiffness": math.inf}, crank={"drive": PrescribedSpeed(speed=16.6)})
-    found = columns(engine, scene)
-    right = rigid_motion(scene, found["crank_angle"], 16.6, 0.0)
-    # Exudyn's accelerations lag half a step behind at the start; the others integrate no more than the crank's angle
-    rate, acceleration = (1e-6, 5e-4) if engine == "exudyn" else (1e-9, 1e-9)
-    assert part(found["follower_rate"], right.follower_speed) < rate
-    assert part(found["follower_acceleration"], right.follower_acceleration) < acceleration
 
 
 @pytest.mark.parametrize("engine", MAIN)

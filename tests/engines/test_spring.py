@@ -136,7 +136,7 @@ def test_at_rest_the_deflection_is_that_of_the_overhung_beam_on_an_elastic_suppo
         assert found[column][-1] == pytest.approx(expected, rel=3e-3), column
 
 
-@pytest.mark.parametrize("spring", [replace(MIDDLE, damping=0.0), MIDDLE, STOPPED], ids=["spring", "damper", "stops"])
+@pytest.mark.parametrize("spring", [MIDDLE, STOPPED], ids=["damper", "stops"])
 def test_energy_is_accounted_for(spring: Spring) -> None:
     trajectory = run("reference", run_24(spring=spring), 0.3, 1e-4).trajectory
     assert imbalance(trajectory) < 1e-5
@@ -160,13 +160,14 @@ def test_engines_agree_about_a_spring_within_what_they_claim(name: str, mechanis
 @pytest.mark.parametrize(
     "spring", [replace(MIDDLE, stiffness=600.0, place=0.6), replace(STOPPED, longest=0.5)], ids=["overhang", "at a stop"]
 )
-def test_engines_have_the_same_frequencies_with_a_spring(spring: Spring) -> None:
-    scene = run_24(spring=spring)
-    found = {name: usable_engine(name).natural_frequencies(scene, 2.0, 2, usable_engine(name).settings_for(1e-3, scene)) for name in FOUR}
-    plain = usable_engine("reference").natural_frequencies(run_24(), 2.0, 2, usable_engine("reference").settings_for(1e-3, scene))
-    assert found["reference"][0] > 1.02 * plain[0]
-    for name, frequencies in found.items():
-        np.testing.assert_allclose(frequencies, found["reference"], rtol=2e-3, err_msg=name)
+@pytest.mark.parametrize("name", ["exudyn", "mujoco", pytest.param("derived", marks=pytest.mark.verify)])
+def test_engines_have_the_same_frequencies_with_a_spring(name: str, spring: Spring) -> None:
+    def frequencies(engine: str, scene: Mechanism) -> Array:
+        return usable_engine(engine).natural_frequencies(scene, 2.0, 2, usable_engine(engine).settings_for(1e-3, scene))
+
+    expected = frequencies("reference", run_24(spring=spring))
+    assert expected[0] > 1.02 * frequencies("reference", run_24())[0]
+    np.testing.assert_allclose(frequencies(name, run_24(spring=spring)), expected, rtol=2e-3)
 
 
 def test_a_stiff_spring_is_a_support() -> None:

@@ -32,7 +32,6 @@ Array = NDArray[np.float64]
 
 SHARED = ("fixed-shapes", "multiplier", "stiff-spring", "nodal-load")  # the equations of `reference` with other shapes
 HAVING = ("reference", "exudyn", "mujoco", *SHARED)
-SLOW = ("nodal-load", "derived")  # take seconds
 ANGLES = np.radians([10.0, 60.0, 100.0, 170.0, 200.0, 260.0, 300.0, 345.0])
 VALUES = np.array([[0.0, -1.0, -4.0, 2.0, 6.0, 3.0, -2.0, 1.0], [1.0, 3.0, 2.0, -2.0, -5.0, -1.0, 2.0, 0.5]])
 TABLE = ForceTable(tuple(ANGLES), tuple(VALUES[0]), tuple(VALUES[1]))
@@ -77,20 +76,6 @@ def short(name: str, mechanism: Mechanism, duration: float = 0.4, **settings: An
     chosen = engine(name)
     picked = chosen.settings_for(1e-2, mechanism)
     return chosen.prepare(mechanism, standard_start(mechanism), picked.replaced(**settings)).advance(duration, 1e-3)
-
-
-@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.verify] * (name in SLOW)) for name in (*HAVING, "derived")])
-@pytest.mark.parametrize("follows", [False, True], ids=["fixed", "following"])
-def test_a_table_of_a_constant_is_that_force_to_the_bit(name: str, follows: bool) -> None:
-    if name == "derived":
-        pytest.importorskip("casadi")
-    force = (-1.5, 0.7)
-    constant = {"force_following" if follows else "force": force}
-    table = ForceTable((0.5, 1.0, 3.0, 4.0), (force[0],) * 4, (force[1],) * 4, follows)
-    duration = 0.005 if name == "nodal-load" else 0.05  # its load jumps from node to node: it takes many more steps
-    found, expected = (short(name, run_24(tip=each), duration).columns for each in ({"force_table": table}, constant))
-    for column, values in expected.items():
-        np.testing.assert_array_equal(found[column], values, err_msg=column)
 
 
 @pytest.mark.parametrize(

@@ -128,21 +128,6 @@ def test_pieces_go_on_from_turn_to_turn(engine: str) -> None:
     assert pieces[-1][-1] - pieces[0][0] > 3.9 * math.pi
 
 
-def test_frequencies_with_the_crank_held_depend_on_the_sliders_place_alone() -> None:
-    """The same arm held at the same place by a short crank: a machine that swings has the same frequencies."""
-    swinging = with_crank(replace(FLEXIBLE, pivot_distance=0.15), length=0.03)
-    for engine in ("reference", "mujoco", "exudyn"):
-        solver = usable_engine(engine)
-        for q1 in (0.9, math.pi / 2.0, 2.0):
-            s = float(rigid_motion(FLEXIBLE, np.array(q1), 0.0).slider_position)
-            if not 0.121 < s < 0.179:
-                continue
-            other = math.acos((0.15**2 + 0.03**2 - s**2) / (2.0 * 0.15 * 0.03))
-            settings = solver.settings_for(solver.default_accuracy, FLEXIBLE)
-            found = solver.natural_frequencies(FLEXIBLE, q1, 3, settings)
-            np.testing.assert_allclose(found, solver.natural_frequencies(swinging, other, 3, settings), rtol=1e-6)
-
-
 @pytest.mark.parametrize("speed", [OMEGA, pytest.param(-OMEGA, marks=pytest.mark.verify)])
 def test_every_settled_turn_begins_near_half_a_turn_and_says_what_it_means(speed: float) -> None:
     scene = with_crank(FLEXIBLE, drive=PrescribedSpeed(speed=speed), initial_angle=0.3)

@@ -13,7 +13,6 @@ from quickreturn.cases.files.keys import dimension_of
 from quickreturn.cases.files.units import Dimension
 from quickreturn.reference_model.scene_values import values_of
 from tests.properties.law import for_all
-from tests.properties.runs import COMPLIANT, EXPLICIT, REFERENCE, STEPS_ADD_UP, TOLERANCE, Method, assert_close
 from tests.strategies import Scene, scenes
 
 EXACT = Context(prec=60)
@@ -89,10 +88,6 @@ def parsed(scene: Scene, digits: int | None) -> Case:
     return parse_case(written(scene, digits), "scene.toml")
 
 
-def as_scene(case: Case, rows: int) -> Scene:
-    return Scene(case.mechanism, 0.0, 0.0, case.duration, rows)
-
-
 @for_all(few=30, many=200, scene=scenes(turning_slider=True) | scenes(compliant=True))
 def test_inches_and_si_are_the_same_numbers(scene: Scene) -> None:
     customary = parsed(scene, None)
@@ -102,23 +97,3 @@ def test_inches_and_si_are_the_same_numbers(scene: Scene) -> None:
     assert numbers_of(parsed(scene, 16).mechanism) == pytest.approx(numbers_of(customary.mechanism), rel=1e-15, abs=0.0)
     # what was read is the scene, not something that both texts have in common: eight digits were written
     assert numbers_of(customary.mechanism) == pytest.approx(numbers_of(scene.mechanism), rel=1e-7, abs=0.0)
-
-
-@pytest.mark.parametrize("method", EXPLICIT, ids=str)
-@for_all(few=4, many=25, scene=scenes())
-def test_inches_and_si_give_the_same_motion(method: Method, scene: Scene) -> None:
-    check_motion(method, scene)
-
-
-@for_all(few=4, many=25, scene=scenes(compliant=True))
-def test_inches_and_si_give_the_same_motion_with_a_soft_joint(scene: Scene) -> None:
-    check_motion(COMPLIANT, scene)
-
-
-def check_motion(method: Method, scene: Scene) -> None:
-    """Written with 16 digits in SI, so that roundings differ."""
-    expected = as_scene(parsed(scene, None), scene.rows)
-    found = method.run(as_scene(parsed(scene, 16), scene.rows))
-    # roundings let LSODA and the fixed shapes' search for the slider's place choose other steps: two runs of their own
-    bound = 10.0 if method is REFERENCE else STEPS_ADD_UP
-    assert_close(found.columns, method.run(expected), expected, method, bound * TOLERANCE)

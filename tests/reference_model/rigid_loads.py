@@ -32,7 +32,7 @@ def rigid_bearing_forces(
 
 
 def rigid_axial_force(
-    mechanism: Mechanism, place: float, crank_angle: Array, crank_speed: Array | float, crank_acceleration: Array | float = 0.0
+    mechanism: Mechanism, place: float | Array, crank_angle: Array, crank_speed: Array | float, crank_acceleration: Array | float = 0.0
 ) -> Array:
     """Normal force (N) at the arc length `place` (m) for a given motion, positive where it pulls: the loads outboard of it along the arm.
 
@@ -54,11 +54,11 @@ def rigid_axial_force(
 
 
 def rigid_bending_moment(
-    mechanism: Mechanism, place: float, crank_angle: Array, crank_speed: Array | float, crank_acceleration: Array | float = 0.0
+    mechanism: Mechanism, place: float | Array, crank_angle: Array, crank_speed: Array | float, crank_acceleration: Array | float = 0.0
 ) -> Array:
     """Bending moment (N m) at the arc length `place` (m) for a given motion, from the loads outboard of it, equation 9.11.
 
-    The other arguments are as of `rigid_motion`.
+    A column of places gives a row for each. The other arguments are as of `rigid_motion`.
     """
     motion = rigid_motion(mechanism, crank_angle, crank_speed, crank_acceleration)
     force = rigid_kinetostatics(mechanism, crank_angle, crank_speed, crank_acceleration)[0]

@@ -1,7 +1,6 @@
 """Sections against the integral over their outline and the tables of the trade; what cannot be."""
 
 import math
-import random
 
 import numpy as np
 import pytest
@@ -80,19 +79,6 @@ def test_standard_sections_have_the_values_of_the_tables() -> None:
     assert i_section.second_moment() * 1e12 + fillets * lever**2 == pytest.approx(801.4e3, abs=300.0)
     assert (tube.area() * 1e4, tube.second_moment() * 1e8) == (pytest.approx(1.13, abs=5e-3), pytest.approx(0.464, abs=5e-4))
     assert (solid.area() * 1e4, solid.second_moment() * 1e8) == (pytest.approx(3.80, abs=5e-3), pytest.approx(1.15, abs=5e-3))
-
-
-def test_a_rectangle_has_the_bits_that_it_always_had() -> None:
-    draw = random.Random(1)
-    for _ in range(1000):
-        thickness, width, modulus, density, stiffness = (10.0 ** draw.uniform(-4.0, 4.0) for _ in range(5))
-        section = section_of(thickness=thickness, width=width)
-        assert section.second_moment(modulus) == modulus * width * thickness**3 / 12.0
-        assert section.second_moment() == width * thickness**3 / 12.0
-        assert section.area(density) == density * width * thickness
-        assert section.area() == width * thickness
-        assert section.axial_stiffness(stiffness) == 12.0 * stiffness / thickness**2
-        assert section.extreme_fibre * 3.7 == 0.5 * thickness * 3.7
 
 
 def text_with(name: str) -> str:

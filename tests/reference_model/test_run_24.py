@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from quickreturn.reference_model.model import BeamModel
-from quickreturn.reference_model.shapes import hermite_elements
 from tests.engines.scenes import run_24
 from tests.reference_model.motion import beam_runs
-from tests.reference_model.motion.beam_runs import Array, run, staying
+from tests.reference_model.motion.beam_runs import Array, run
 from tests.reference_model.thesis.thesis_runs import error, thesis
 
 
@@ -38,23 +37,6 @@ def test_exact_geometry_of_one_cubic_differs_little() -> None:
     second_order = run(thesis(run_24()), 2.0, 2000, 1e-9)[1]["tip_deflection"]
     exact = run(thesis(run_24(), exact=True), 2.0, 2000, 1e-9)[1]["tip_deflection"]
     assert error(exact, second_order) == pytest.approx(0.026, abs=0.002)
-
-
-def test_errors_of_shapes_that_stay_fall_with_their_number(converged: dict[str, Array]) -> None:
-    """Measured 3.06e-2, 1.30e-2, 3.4e-3 of the tip deflection."""
-    for shapes, expected in ((4, 3.06e-2), (6, 1.30e-2), (10, 3.4e-3)):
-        columns = beam_runs.run(staying(run_24(), shapes), 2.0, 2000, 1e-7)[1]
-        assert error(columns["tip_deflection"], converged["tip_deflection"]) == pytest.approx(expected, rel=0.1)
-
-
-@pytest.mark.verify
-def test_elements_go_to_the_same_motion(converged: dict[str, Array]) -> None:
-    """Eight elements are 2.6e-3 off over 2 s; of the angle's element space with recovery, and of the thesis' deflection as it is."""
-    mechanism = run_24()
-    model = BeamModel.staying(mechanism, hermite_elements(mechanism.follower.length, 8))
-    angle, deflection = beam_runs.run(model, 0.5, 500, 1e-7)[1], run(thesis(mechanism, elements=8, exact=True), 0.5, 500, 1e-8)[1]
-    for columns in (angle, deflection):
-        assert error(columns["tip_deflection"], converged["tip_deflection"][:501]) < 5e-3
 
 
 def test_few_shapes_that_follow_do_what_many_that_stay_do(converged: dict[str, Array]) -> None:

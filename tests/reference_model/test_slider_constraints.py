@@ -8,60 +8,30 @@ from typing import Final
 import numpy as np
 import pytest
 
-from quickreturn.reference_model.joint import Rollers
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.slider import Slider
-from quickreturn.reference_model.slider_constraint import CHORDS, CLOSED, LEVER, MULTIPLIER, ROLLERS, SliderConstraint
+from quickreturn.reference_model.slider_constraint import CHORDS, CLOSED, LEVER, MULTIPLIER, SliderConstraint
 from quickreturn.reference_model.thesis.model import shape_frequencies
 from tests.engines.scenes import run_24
-from tests.reference_model.motion.beam_runs import Array, balance, follower_energy, run, with_fine_tables
-from tests.reference_model.motion.beam_states import COMPLIANT, EVERYTHING, HEAVY, ON_ELEMENTS, elements_of, modes_of, rates
-from tests.reference_model.thesis.thesis_runs import undriven
+from tests.reference_model.motion.beam_runs import Array, balance, run, with_fine_tables
+from tests.reference_model.motion.beam_states import COMPLIANT, EVERYTHING, ON_ELEMENTS, elements_of, modes_of, rates
 
 STABILIZED: Final = SliderConstraint(kind=MULTIPLIER, stabilization=100.0)
 LEVERS: Final = SliderConstraint(kind=LEVER, stabilization=100.0, bending_damping=1e-5)
-ELASTIC: Final = dataclasses.replace(HEAVY, rollers=Rollers(plus=2e3, minus=2e3))
-#: Nothing drives or damps it; the slider has mass and rotary inertia.
-CONSERVING: Final = undriven(gravity=(3.0, -9.81), slider=Slider(mass=0.2, inertia=3e-4))
-CONSERVING_ELEMENTS: Final = dataclasses.replace(CONSERVING, slider=Slider(mass=0.2))
-
-#: Models of conserving scenes, and of scenes with everything on, by constraint.
-MODELS: Final[dict[str, tuple[Callable[[], BeamModel], Callable[[], BeamModel]]]] = {
-    "following, compliant": (
-        lambda: with_fine_tables(CONSERVING, 3, constraint=ELASTIC),
-        lambda: with_fine_tables(EVERYTHING, 3, constraint=COMPLIANT),
-    ),
-    "modes": (
-        lambda: BeamModel.staying(CONSERVING, modes_of(CONSERVING, 4), CLOSED),
-        lambda: BeamModel.staying(EVERYTHING, modes_of(EVERYTHING, 4), CLOSED),
-    ),
-    "modes, multiplier": (
-        lambda: BeamModel.staying(CONSERVING, modes_of(CONSERVING, 4), STABILIZED),
-        lambda: BeamModel.staying(EVERYTHING, modes_of(EVERYTHING, 4), STABILIZED),
-    ),
-    "modes, spring": (
-        lambda: BeamModel.staying(CONSERVING, modes_of(CONSERVING, 4), ELASTIC),
-        lambda: BeamModel.staying(EVERYTHING, modes_of(EVERYTHING, 4), COMPLIANT),
-    ),
-    "elements, multiplier": (
-        lambda: BeamModel.staying(CONSERVING_ELEMENTS, elements_of(CONSERVING, 4), STABILIZED),
-        lambda: BeamModel.staying(ON_ELEMENTS, elements_of(EVERYTHING, 4), STABILIZED),
-    ),
+#: Everything on, by constraint.
+MODELS: Final[dict[str, Callable[[], BeamModel]]] = {
+    "following, compliant": lambda: with_fine_tables(EVERYTHING, 3, constraint=COMPLIANT),
+    "modes": lambda: BeamModel.staying(EVERYTHING, modes_of(EVERYTHING, 4), CLOSED),
+    "modes, multiplier": lambda: BeamModel.staying(EVERYTHING, modes_of(EVERYTHING, 4), STABILIZED),
+    "modes, spring": lambda: BeamModel.staying(EVERYTHING, modes_of(EVERYTHING, 4), COMPLIANT),
+    "elements, multiplier": lambda: BeamModel.staying(ON_ELEMENTS, elements_of(EVERYTHING, 4), STABILIZED),
 }
-
-
-@pytest.mark.parametrize("name", MODELS)
-def test_energy_is_conserved(name: str) -> None:
-    """Found: 2e-10 to 2e-9, of integration at 1e-10, quadrature and cubic tables."""
-    model = MODELS[name][0]()
-    _, columns = run(model, 0.5, 250, 1e-10)
-    assert np.ptp(balance(columns)) < 1e-8 * follower_energy(model, columns)
 
 
 @pytest.mark.parametrize("name", MODELS)
 def test_stored_energy_is_work_less_dissipation(name: str) -> None:
     """Gravity, all dampings and the joint's on; found: 1e-11 to 1e-10 of the work that turned over."""
-    _, columns = run(MODELS[name][1](), 0.5, 250, 1e-10)
+    _, columns = run(MODELS[name](), 0.5, 250, 1e-10)
     assert columns["dissipated_energy"][-1] > 1.0  # J
     assert np.ptp(balance(columns)) < 1e-9 * columns["drive_work"][-1]
 
@@ -125,17 +95,6 @@ def test_frequencies_of_the_thesis_way_and_of_all_workless_constraints_agree(sha
     for constraint in (CLOSED, STABILIZED):
         found = BeamModel.staying(scene, family, constraint).natural_frequencies(angle, 3)
         np.testing.assert_allclose(found, expected, rtol=relative)
-
-
-def test_frequencies_of_the_spring_approach_the_rigid_ones_at_first_order() -> None:
-    scene = run_24()
-    family = modes_of(scene, 3)
-    rigid = BeamModel.staying(scene, family, STABILIZED).natural_frequencies(math.pi, 3)
-    springs = (SliderConstraint(kind=ROLLERS, rollers=Rollers(plus=stiffness, minus=stiffness)) for stiffness in (1e6, 1e7))
-    errors = [rigid[0] - BeamModel.staying(scene, family, spring).natural_frequencies(math.pi, 1)[0] for spring in springs]
-    assert errors[0] / errors[1] == pytest.approx(10.0, rel=0.01)  # second order in 1/k: 2e-3 of the first at 1e6 N/m
-    # converged: 20.354 Hz (transcendental equation of the supported beam); Rayleigh's principle puts three shapes above
-    assert 20.354 < rigid[0] < 20.6
 
 
 def test_lever_rule_makes_frequencies_complex() -> None:

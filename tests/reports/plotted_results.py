@@ -92,7 +92,7 @@ def _bending(mechanism: Mechanism, angle: np.ndarray, speed: float, motion: Rigi
     length = mechanism.follower.length
     places = {name: (k + 1) * length / 12.0 for k, name in enumerate(MOMENTS)} | {"moment_base": 0.0, "moment_tip": length}
     places |= dict.fromkeys(("moment_slider", "moment_inboard"), motion.slider_position)
-    moments = {name: rigid_bending_moment(mechanism, at, angle, speed) for name, at in places.items()}  # type: ignore[arg-type]
+    moments = {name: rigid_bending_moment(mechanism, at, angle, speed) for name, at in places.items()}
     return moments | {
         f"{name}_force_{axis}": force
         for name, forces in (("pivot", pivot), ("crank", crank))

@@ -77,18 +77,6 @@ def test_scenes_of_the_library_are_those_that_the_truth_can_model(monkeypatch: p
 
 
 @pytest.mark.verify
-def test_claims_hold_on_two_random_scenes(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A quarter of a second of each. The second begins with a sudden load: fast modes ring whose acceleration no truth has."""
-    monkeypatch.setattr(tests.verification.accuracy_campaign, "CHAINS", (27,))
-    scenes = [dataclasses.replace(scene, duration=0.25) for scene in itertools.islice(random_scenes(SEED), 2)]
-    requests = (("mujoco", None), ("exudyn", 1e-2))
-    table = as_table(*(row for scene in scenes for row in scene_rows(scene, requests)))
-    check(table)
-    assert table["claim"].notna().all()
-    assert len(judged(table)) > 0.5 * len(table) == 12
-
-
-@pytest.mark.verify
 def test_claims_hold(record_property: Callable[[str, object], None], portion: Portion) -> None:
     scenes = portion(_full(), DRAWN)
     whole = len(scenes) > DRAWN

@@ -30,9 +30,6 @@ from tests.verification.random_machines import sensible_machines
 from tests.verification.test_sensible_machines import SEED, case_of
 
 ENGINES: Final = ("reference", "mujoco")
-#: A run of `exudyn` with a joint takes a quarter of an hour: there is no periodic state to begin in, and its damper is called back.
-SLOW: Final = "exudyn"
-SLOW_RUN: Final = 24
 #: Plus is the roller that carries after the return.
 JOINTS: Final[Mapping[str, Mapping[str, float]]] = {
     "soft side": {"slider.joint_stiffness_plus": 1e4, "slider.joint_stiffness_minus": 1e6},
@@ -146,12 +143,6 @@ def check(results: Sequence[CaseResult], record_property: Any) -> None:
 @pytest.mark.parametrize("joint", JOINTS)
 def test_engines_agree_on_the_thesis_runs(joint: str, record_property: Any, portion: Portion) -> None:
     check(compared(portion(thesis_runs(joint), DRAWN), Workshop(Store())), record_property)
-
-
-@pytest.mark.verify
-@pytest.mark.parametrize("joint", [name for name in JOINTS if name != "friction"])
-def test_exudyn_agrees_on_a_thesis_run(joint: str, record_property: Any) -> None:
-    check(compared(thesis_runs(joint, [SLOW_RUN]), Workshop(Store()), (*ENGINES, SLOW)), record_property)
 
 
 @pytest.mark.verify

@@ -51,11 +51,6 @@ def test_frequencies_against_the_determinant() -> None:
     check(list(mode_rows(scene_of(RUN_24), "run 24", 1, (90.0,), 3)))
 
 
-@pytest.mark.verify
-def test_sag_against_the_overhung_beam() -> None:
-    check(list(sag_rows(scene_of(RUN_24), "run 24", (180.0,), ("reference", "thesis", "exudyn", "mujoco"))))
-
-
 def test_rigid_limit_against_the_vector_loop() -> None:
     check(list(rigid_rows(scene_of(RUN_24), "run 24")))
 
@@ -95,11 +90,6 @@ def test_smoothing_keeps_a_constant_and_takes_a_vibration_away() -> None:
 
 def test_terms_of_a_bent_and_moving_state() -> None:
     check(list(term_rows(RUN_24, "run 24", state_of(RUN_24, 0.25), 1)))
-
-
-@pytest.mark.verify
-def test_trajectories_and_the_driving_torque_converge_to_the_reference() -> None:
-    check(list(trajectory_rows("run 24 at 16.6 rad/s", scene("thesis-24", 16.6), 0.15, ladders(12, 6.25e-5, 20)[:1])))
 
 
 @pytest.mark.verify

@@ -106,27 +106,6 @@ def test_staying_shapes_move_as_those_of_fixed_shapes(scene: Mechanism) -> None:
         )
 
 
-@pytest.mark.parametrize(
-    ("scene", "modes"),
-    [
-        pytest.param(scene, modes, id=f"{name}, {modes}", marks=[] if quick else pytest.mark.verify)
-        for modes in (1, 2, 3)
-        for scene, name, quick in ((SCENE, "with a heavy slider", modes == 3), (BARE, "without", modes == 2))
-    ],
-)
-def test_following_shapes_move_as_those_of_reference(scene: Mechanism, modes: int) -> None:
-    by_hand = BeamModel.following(scene, modes)
-    model = Model(DESCRIBED.quick_return(DESCRIBED.following(by_hand.parameters.tables, modes)))
-    names = [f"eta_{k + 1}" for k in range(modes)]
-    for seed in range(5):
-        rng = np.random.default_rng(seed)
-        eta, eta_rate = rng.uniform(-0.03, 0.03, modes) / np.arange(1, modes + 1) ** 2, rng.uniform(-1, 1, modes)
-        start = {"crank_angle": float(rng.uniform(0, 2 * np.pi)), "crank_speed": 17.0}
-        start |= dict(zip(names, eta, strict=True)) | {f"{name}_rate": v for name, v in zip(names, eta_rate, strict=True)}
-        found = accelerations(model, start, values_of(scene))
-        compare(by_hand, found, start, eta, eta_rate, [found["crank_speed_rate"], *(found[f"{name}_rate_rate"] for name in names)])
-
-
 def compare(by_hand: BeamModel, found: dict[str, Any], start: dict[str, float], eta: Any, eta_rate: Any, ours: list[float]) -> None:
     n = len(eta)
     y = np.zeros(state_size(by_hand.parameters))
@@ -137,15 +116,6 @@ def compare(by_hand: BeamModel, found: dict[str, Any], start: dict[str, float], 
     assert_same(ours, rate[n + 2 : 2 * n + 3])
     if not by_hand.parameters.slider_inertia:
         assert_same([found["slider_force"]], by_hand.observe(y[None])["slider_force"])
-
-
-def test_frequencies_of_following_shapes_with_the_crank_held_are_those_by_hand() -> None:
-    scene = run_24()
-    by_hand = BeamModel.following(scene, 2)
-    model = Model(DESCRIBED.quick_return(DESCRIBED.following(by_hand.parameters.tables, 2)))
-    for angle in np.radians([180.0, 90.0, 0.0]):
-        found = natural_frequencies(model, {"crank_angle": angle}, hold=["crank_angle"], parameters=in_units(model, values_of(scene)))
-        np.testing.assert_allclose(found, by_hand.natural_frequencies(angle, 2), rtol=1e-9)
 
 
 @pytest.mark.parametrize(("degrees", "published"), [(180.0, (22.94, 74.96)), (90.0, (19.76, 61.29)), (0.0, (12.71, 84.90))])

@@ -155,16 +155,6 @@ def test_frequencies_where_forces_move_the_system_are_told() -> None:
             natural_frequencies(model, at, parameters={"torque": torque})
 
 
-@pytest.mark.parametrize("count", [5, 6])
-def test_powers_move_as_legendres_polynomials(count: int) -> None:
-    """Both span the same motions; from a start that both can hold."""
-    found = []
-    for family in (powers, orthogonal):
-        model = Model(cantilever(family(count), 1.0, 10.0, 1.0, 0.0, 0.0))
-        found.append(model.simulate({"eta_1": 0.05}, 0.05, 0.01)["tip_y"])  # u^2 in both
-    np.testing.assert_allclose(*found, atol=2e-6)
-
-
 @pytest.mark.parametrize("count", [8, *(pytest.param(each, marks=pytest.mark.verify) for each in (9, 12))])
 def test_shapes_that_are_nearly_alike_are_named(count: int) -> None:
     model = Model(described("spin_up").spin_up(count))

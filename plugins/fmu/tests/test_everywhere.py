@@ -1,7 +1,6 @@
 """Every command and function that takes an engine takes the file beside an FMU, or says why not."""
 
 import json
-import signal
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +14,6 @@ from quickreturn.command_line import main
 from quickreturn.engines.registry import UnknownEngine, engine
 from quickreturn.plugins.fmu.tests.build import Make
 from quickreturn.plugins.studies.public.uncertainty import study_of
-from tests.quickreturn.program import descendants, running, started, wait_until
 
 STUDY = """
 case = "case.toml"
@@ -139,18 +137,3 @@ def test_an_endless_step_is_stopped_at_the_limit_and_takes_nothing_with_it(make_
     [told] = [line for line in capfd.readouterr().err.splitlines() if line.startswith("quickreturn:")]
     assert told.startswith("quickreturn: mild: engine my.toml: stopped at the time limit of 3 s; see the limits of time and memory")
     assert [path.name for path in Path().glob("*.csv")] == ["sound.toml.csv"]
-
-
-@pytest.mark.verify
-def test_an_endless_step_is_interrupted_and_what_was_finished_is_kept(make_plain: Make, tmp_path: Path) -> None:
-    Path(make_plain()).rename("sound.toml")
-    make_plain(HANGS)
-    variables = {"QUICKRETURN_STORE": str(tmp_path / "store")}
-    program = started("simulate", "case.toml", "--engine", "sound.toml", "--engine", "my.toml", folder=tmp_path, variables=variables)
-    wait_until(lambda: list(tmp_path.glob("store/*.result")), program)
-    below = descendants(program.pid)
-    program.send_signal(signal.SIGINT)
-    _, errors = program.communicate(timeout=60)
-    assert program.returncode == 130
-    assert errors.splitlines()[-1].startswith("quickreturn: interrupted; 1 result of this call is kept in")
-    wait_until(lambda: not any(map(running, below)), seconds=30.0)

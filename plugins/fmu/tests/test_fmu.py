@@ -224,12 +224,3 @@ def test_a_follower_alone_without_tip_and_gravity_is_judged_as_what_it_is(make: 
     outcome = conform(make(re.sub(r"(?=eps\d)", "1e-3 * ", bare)))
     assert outcome.conforms is False
     assert "strain_1 is 0.001" in outcome.failed[0].cause
-
-
-@pytest.mark.verify
-def test_run_and_report_take_an_fmu(make: Make, capfd: pytest.CaptureFixture[str]) -> None:
-    path = make()
-    assert main(["run", "case.toml", "--engine", path, "--engine", "reference"]) in (0, 1)
-    assert "my.toml" in capfd.readouterr().out
-    main(["report", "case.toml", "--engine", path, "--engine", "reference", "--output", "page"])
-    assert "my.toml" in Path("page/index.html").read_text()

@@ -278,7 +278,6 @@ def beyond_claims(scene: Mechanism, engine: str) -> dict[str, tuple[float, float
 @pytest.mark.parametrize(
     ("name", "engine"),
     [
-        *(("run 24 at a prescribed speed", engine) for engine in ("reference", "mujoco")),
         ("example", "reference"),
         *(pytest.param(name, engine, marks=pytest.mark.verify) for name in MACHINES for engine in ("reference", "mujoco", "exudyn")),
     ],

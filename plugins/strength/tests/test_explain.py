@@ -17,15 +17,15 @@ TOPICS = ["whip", "strokes", "sides", "stress", "ringing", "drive", "bearings", 
 
 def test_ten_sentences_in_words_as_a_document_and_in_python(call: Call) -> None:
     Path("lever.toml").write_text(machine(inches=False))
-    document = json.loads(call("explain", "lever.toml", "--accuracy", "0.02", "--json").output)
+    document = json.loads(call("explain", "lever.toml", "--accuracy", "0.05", "--json").output)
     assert [each["topic"] for each in document] == TOPICS
-    text = call("explain", "lever.toml", "--accuracy", "0.02")
+    text = call("explain", "lever.toml", "--accuracy", "0.05")
     assert (text.code, text.errors) == (0, "")
     assert text.output.splitlines() == ["lever: lever", *(f"- {each['sentence']}" for each in document)]
     numbers = {each["topic"]: each["numbers"] for each in document}
-    found = qr.explain("lever.toml", accuracy=0.02, quiet=True)
+    found = qr.explain("lever.toml", accuracy=0.05, quiet=True)
     assert {each.topic: dict(each.numbers) for each in found.statements} == numbers
-    run = json.loads(call("run", "lever.toml", "--engine", "reference", "--accuracy", "0.02", "--json").output)
+    run = json.loads(call("run", "lever.toml", "--engine", "reference", "--accuracy", "0.05", "--json").output)
     known = run["cases"][0]["engines"][0]["numbers"]
     for topic, name, measure in (
         ("whip", "tip_acceleration", "peak.tip_acceleration"),
@@ -35,14 +35,14 @@ def test_ten_sentences_in_words_as_a_document_and_in_python(call: Call) -> None:
         ("decay", "multiplier", "multiplier"),
     ):
         assert (numbers[topic][name], numbers[topic][f"{name}_error"]) == (known[measure]["value"], known[measure]["error"])
-    inches = json.loads(call("explain", "lever.toml", "--accuracy", "0.02", "--units", "inch", "--json").output)
+    inches = json.loads(call("explain", "lever.toml", "--accuracy", "0.05", "--units", "inch", "--json").output)
     assert [each["numbers"] for each in inches] == [each["numbers"] for each in document]
     assert "in/s²" in inches[0]["sentence"]
 
 
 def test_the_speed_of_a_machine_that_works_against_a_brake_is_that_of_its_settled_turn(call: Call) -> None:
     """Torque over damping is 16.62 rad/s, the mean 12.45: the brake at P takes a quarter. Its run, `run` and `explain` tell one speed."""
-    braked = ("thesis-24", "--set", "base.damping=1 N*m*s/rad", "--json")
+    braked = ("thesis-24", "--set", "base.damping=1 N*m*s/rad", "--accuracy", "0.05", "--json")
     said = {each["topic"]: each["numbers"] for each in json.loads(call("explain", *braked).output)}
     ran = json.loads(call("run", *braked, "--engine", "reference").output)["cases"][0]
     mean = ran["engines"][0]["numbers"]["mean.crank_speed"]["value"]

@@ -19,7 +19,7 @@ def table(call: Call) -> str:
 
 
 def test_a_parameter_is_found_and_written(call: Call, table: str) -> None:
-    arguments = ("--set", "follower.bending_stiffness=2000 lbf*in^2", "--output", "fitted.toml", "--json")
+    arguments = ("--set", "follower.bending_stiffness=2500 lbf*in^2", "--output", "fitted.toml", "--json")
     answer = call("calibrate", "thesis-24", table, "--free", "follower.bending_stiffness", *arguments)
     assert answer.code == 0, answer.errors
     (found,) = json.loads(answer.output)["found"]

@@ -1,9 +1,6 @@
 """A resonance curve that was interrupted, killed or lost goes on."""
 
 import math
-import os
-import signal
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -19,8 +16,6 @@ from quickreturn.reference_model.cycles.cycle_family import CycleFamily
 from quickreturn.reference_model.cycles.fixed_points import Array, Image
 from quickreturn.reference_model.cycles.poincare import CycleBroken
 from quickreturn.reference_model.mechanism import Mechanism
-from tests.quickreturn.conftest import Call
-from tests.quickreturn.program import descendants, running, started, wait_until
 
 
 class _Interrupted(Exception):
@@ -82,26 +77,3 @@ def test_a_curve_that_is_lost_is_begun_again_beyond() -> None:
     assert before is not None
     assert "it broke" in before.reason
     assert [round(branch.points[at].parameter, 4) for at in (0, -1)] == [0.4, 1.0]
-
-
-@pytest.mark.verify
-def test_a_killed_curve_goes_on_with_the_missing_pieces(call: Call, tmp_path: Path) -> None:
-    asked = ("resonance", "thesis-24", "--speed", "150 rpm .. 165 rpm", "--accuracy", "0.05", "--no-claims")
-    pieces: Callable[[], dict[str, int]] = lambda: {  # noqa: E731
-        file.name: file.stat().st_mtime_ns for file in (tmp_path / ".quickreturn").glob("*-*.result")
-    }
-    for number in (signal.SIGKILL, signal.SIGINT):
-        program = started(*asked, folder=tmp_path, process_group=0)
-        first = len(pieces())
-        wait_until(lambda: len(pieces()) > first, program)  # noqa: B023
-        below = descendants(program.pid)
-        os.kill(program.pid, number)
-        _, errors = program.communicate()
-        wait_until(lambda: not any(map(running, below)))  # noqa: B023
-    kept = pieces()
-    assert f"no result was finished; {len(kept)} pieces of what was begun are kept in .quickreturn" in errors
-    answer = call(*asked, "--json")
-    assert answer.code == 0, answer.errors
-    after = pieces()
-    assert len(after) > len(kept) >= 2
-    assert {name: after[name] for name in kept} == kept

@@ -95,7 +95,7 @@ def test_a_picture_tells_stable_from_unstable(found: qr.Resonance) -> None:
 
 def test_the_command_writes_what_python_gives(call: Call, tmp_path: Path) -> None:
     table, picture = tmp_path / "curve.csv", tmp_path / "curve.svg"
-    asked = ("resonance", "thesis-24", "--speed", "150 rpm .. 151 rpm", "--accuracy", "0.05", "--no-claims", "--json")
+    asked = ("resonance", "thesis-24", "--speed", "150 rpm .. 150.2 rpm", "--accuracy", "0.05", "--no-claims", "--json")
     answer = call(*asked, "--output", str(table), "--plot", str(picture))
     assert answer.code == 0
     document = json.loads(answer.output)

@@ -2,8 +2,6 @@
 
 import json
 import math
-import os
-import signal
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +12,6 @@ import quickreturn as qr
 from quickreturn.plugins.studies.drawing.scatter import scatter_figure
 from tests.quickreturn.conftest import Call
 from tests.quickreturn.input.answers import refused
-from tests.quickreturn.program import descendants, running, started, wait_until
 
 RPM = math.pi / 30.0
 #: A rigid machine of which only the base dissipates: the work of a turn is b w K, with K the integral of (d phi / d theta)^2 over a turn.
@@ -86,28 +83,6 @@ def test_shares_of_the_work_are_those_of_a_product(place: Call) -> None:
 
 def results(folder: Path) -> dict[str, int]:
     return {file.name: file.stat().st_mtime_ns for file in (folder / ".quickreturn").glob("*.result")}
-
-
-@pytest.mark.verify
-@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGINT])
-def test_a_study_that_is_killed_or_interrupted_goes_on_with_the_missing_points(place: Call, tmp_path: Path, number: int) -> None:
-    program = started("uncertainty", "work.toml", "--jobs", "1", folder=tmp_path, process_group=0)
-    wait_until(lambda: len(results(tmp_path)) >= 2, program)
-    below = descendants(program.pid)
-    os.kill(program.pid, number)
-    program.communicate()
-    assert program.returncode == (130 if number == signal.SIGINT else -number)
-    wait_until(lambda: not any(map(running, below)))
-    before = results(tmp_path)
-    assert 2 <= len(before) < 8
-    again = place("uncertainty", "work.toml", "--json")
-    assert again.code == 0, again.errors
-    after = results(tmp_path)
-    assert len(after) == 8, "a result for each point, those of the first call among them"
-    assert {name: after[name] for name in before} == before
-    twice = place("uncertainty", "work.toml", "--samples", "16", "--json")
-    assert json.loads(twice.output)["points"] == 16
-    assert len(results(tmp_path)) == 16, "twice as many points contain the first ones"
 
 
 def test_a_study_whose_machines_cannot_be_gives_no_band(call: Call) -> None:

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from typing import Any, Final
 
-from quickreturn.plugins.thesis.page_data import ThesisData
+from quickreturn.plugins.thesis.page_data import ThesisData, planted_of, starts_of
 from quickreturn.plugins.thesis.sharpness import SIZES, Planted, found_words
 from quickreturn.plugins.thesis.starts import Start
 from quickreturn.reports.page.chapter import Chapter
@@ -22,7 +22,7 @@ SHARED: Final = (
 
 def crosscheck(content: ThesisData) -> Chapter | None:
     """The chapter; None if neither study was recorded."""
-    errors, others = content.planted, content.starts
+    errors, others = content.of(planted_of), content.of(starts_of)
     if not errors and not others:
         return None
     facts: dict[str, Any] = {"planted": planted_table(errors), "shared": shared(), "starts": starts_table(others)}

@@ -7,7 +7,7 @@ from quickreturn.cases.comparison.engines import REFERENCE, CaseResult
 from quickreturn.engines.registry import MODEL, own_engines
 from quickreturn.plugins.thesis.axes import COLUMNS, AxisComparison, axis_comparisons, fits_worse, measured_alone, ratios_of
 from quickreturn.plugins.thesis.experiment import channel_is_usable, measured_crank_speed
-from quickreturn.plugins.thesis.experiment.stiffness import stiffness_reading
+from quickreturn.plugins.thesis.experiment.published import below_aluminium
 from quickreturn.plugins.thesis.measured import counts
 from quickreturn.plugins.thesis.page_data import ThesisData
 from quickreturn.plugins.thesis.runs import thesis_runs
@@ -31,7 +31,7 @@ def experiment(content: ThesisData) -> Chapter:
         "short": "tip_acceleration" in ratios and all(max(values) < 1.0 for values in ratios["tip_acceleration"].values()),
         "worse": worse,
         "alone_says_so": clearest.figure if clearest and _worse(clearest.ratios) else "",
-        "stiffness": percents(*stiffness_reading([]).below, ".0f"),
+        "stiffness": percents(*below_aluminium(), ".0f"),
         "spread": number(max(strain[REFERENCE]) / min(strain[REFERENCE]), ".1f") if worse else "",
         "speeds": speeds_and_axes(content.results, axes, engines),
         "alone_table": alone_table(alone, engines),

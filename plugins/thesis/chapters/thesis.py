@@ -1,8 +1,7 @@
-"""What the thesis saw: its model compared with the converged one, what makes the halves differ, and its statements one by one."""
+"""What the thesis saw: what could have made it, with the weight of each explanation, and its model beside the converged one."""
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -12,79 +11,53 @@ from quickreturn.cases.motion.cycle import HALVES
 from quickreturn.cases.motion.time_scale import CHANNELS
 from quickreturn.engines.registry import MODEL
 from quickreturn.plugins.thesis.axes import axis_comparisons, fits_worse
-from quickreturn.plugins.thesis.conclusions import HOLDS, IN_PART, NOT, OUTCOMES, SAME_EFFECT, Conclusion
-from quickreturn.plugins.thesis.effects import effect_facts, symmetric_effects_differ, tightened_words
-from quickreturn.plugins.thesis.experiment.stiffness import StiffnessReading, stiffness_reading
-from quickreturn.plugins.thesis.page_data import ThesisData
-from quickreturn.plugins.thesis.sufficiency import Split
-from quickreturn.plugins.thesis.unprinted import scatter_facts
+from quickreturn.plugins.thesis.experiment.published import below_aluminium
+from quickreturn.plugins.thesis.inference import tables
+from quickreturn.plugins.thesis.inference.spatial import twist
+from quickreturn.plugins.thesis.page_data import ThesisData, confirmed_of
 from quickreturn.reports.long_studies import about
 from quickreturn.reports.page.chapter import Chapter
-from quickreturn.reports.results.engine_differences import Summary, differences, summary_of
-from quickreturn.reports.tables.table import Cell, Column, Mark, Table
-from quickreturn.reports.words import HALF, channel_name, counted, number, percent, percents
+from quickreturn.reports.results.engine_differences import differences, summary_of
+from quickreturn.reports.tables.table import Column, Table
+from quickreturn.reports.words import HALF, channel_name, number, percents
 
-#: The verdicts on several statements, where they differ from those on one.
-_ON_SEVERAL: Final = {HOLDS: "hold", IN_PART: "hold in part", NOT: "do not hold"}
+#: Columns of a spread -> unit and format.
+_SPREAD: Final = {"median": ("1", ".3f"), "least": ("1", ".3f"), "greatest": ("1", ".3f"), "runs": ("", "d")}
+#: Halves count as alike if the excess differs between them by less than this part of itself.
+SAME_EFFECT: Final = 0.1
+#: Stiffness, N/m, of a roller that lowers the frequency of its half by 2 %, the least that the words mean.
+ONE_SIDED: Final = 18.5e3
 
 
 def thesis(content: ThesisData) -> Chapter:
     """The chapter."""
-    results = content.thesis_results
-    conclusions = content.conclusions
+    results, inference = content.thesis_results, content.inference
     compared = differences(results, MODEL, "frequency")
-    fitted = [difference.relative for difference in compared]
     of_halves = {half: [difference.ratio for difference in compared if difference.half == half] for half in HALF}
-    facts = {
+    facts: dict[str, Any] = {
         "worse": fits_worse(axis_comparisons(results)),
         "of_record": about("finding"),
-        **effect_facts(content.finding, results),
-        "of_record_scatter": about("unprinted"),
-        **scatter_facts(content.bands),
-        "stiffness": stiffness_words(stiffness_reading(fitted)),
+        "inferred": inference is not None,
+        "stiffness": percents(*below_aluminium(), ".0f"),
         "ratios": ratios(results),
-        "statements": statements(conclusions),
     }
-    splits = content.splits if facts["effects_plot"] else []
-    against = tightened_words(content.finding)
-    text = finding(splits, against, symmetric_effects_differ(content.finding), of_halves, [each.outcome for each in conclusions])
-    return Chapter("thesis", "What the thesis saw", text, facts)
+    if inference is not None:
+        facts |= {
+            "against": tables.against(inference),
+            "twist": twist(ONE_SIDED),
+            "weights": tables.weights(inference),
+            "votes": tables.votes(inference),
+            "deciding": tables.deciding(inference),
+            "unknowns": tables.unknowns(inference),
+            "confirmed": tables.confirmed(content.of(confirmed_of)),
+        }
+    return Chapter("thesis", "What the thesis saw", tables.headline(inference) if inference else finding(of_halves), facts)
 
 
-def finding(splits: Sequence[Split], against: str, symmetric: bool, ratios: Mapping[str, Sequence[float]], outcomes: Sequence[str]) -> str:
-    """What makes the halves differ, or else how stiff the single cubic is; and the verdicts on the statements.
-
-    Args:
-        splits: effects that make the halves differ as the words require, those with the fewest choices first.
-        against: what the thesis says against the first of these (a clause), "" for nothing.
-        symmetric: whether an effect that acts alike on both sides moves the halves apart.
-        ratios: half -> frequencies of the single cubic over the converged ones.
-        outcomes: verdict on each statement.
-    """
-    if splits:
-        text = _splitting(splits, against, symmetric)
-    elif all(ratios.values()):
-        text = _stiffness(ratios)
-    else:
-        text = "Its statements, checked one by one"
-    counts = Counter(outcomes)
-    verdicts = (f"{counts[each]} {_ON_SEVERAL.get(each, each) if counts[each] > 1 else each}" for each in OUTCOMES if counts[each])
-    return f"{text}; {counted(len(outcomes), 'statement')}: {', '.join(verdicts)}"
-
-
-def _splitting(splits: Sequence[Split], against: str, symmetric: bool) -> str:
-    first, only = splits[0], all(split.one_sided for split in splits)
-    which = "a roller that is softer on one side" if only else "one that is not symmetric"
-    but = f"; but {against}" if against else ""
-    none = "" if symmetric else "; no symmetric effect tried moves them apart by more than the measurement leaves open"
-    return (
-        f"What made the halves differ is open. Of the effects tried one at a time, {which} would: at {first.strength} by"
-        f" {percent(first.pre, '+.1f')} before and {percent(first.post, '+.1f')} after the return (medians){but}{none}"
-    )
-
-
-def _stiffness(ratios: Mapping[str, Sequence[float]]) -> str:
-    """How stiff the single cubic is in both halves."""
+def finding(ratios: Mapping[str, Sequence[float]]) -> str:
+    """How stiff the single cubic is in both halves; `ratios`: half -> its frequencies over the converged ones."""
+    if not all(ratios.values()):
+        return "Its model beside the converged one"
     pre, post = (float(np.median(ratios[half])) for half in HALVES)
     stiff = "stiff" if pre - 1.0 + post - 1.0 > 0.0 else "soft"
     alike = " alike" if abs(post - pre) < SAME_EFFECT * abs(pre - 1.0) else ""
@@ -94,29 +67,14 @@ def _stiffness(ratios: Mapping[str, Sequence[float]]) -> str:
     )
 
 
-def stiffness_words(stiffness: StiffnessReading) -> str:
-    """The published bending stiffness beside that of ordinary aluminium, and beside the one that would undo the single cubic's excess."""
-    published, (low, high) = stiffness.published.replace("*", " ").replace("^2", "²"), stiffness.below
-    text = (
-        f"EI = {published} over the nominal section means E = {number(stiffness.modulus / 1e9, '.1f')} GPa, {percents(low, high, '.0f')}"
-        " below ordinary aluminium."
-    )
-    if not stiffness.needed:
-        return text
-    return (
-        f"{text} A frequency grows with the square root of EI: to undo the single cubic’s median excess EI would have to be"
-        f" {percent(stiffness.needed, '.0f')} lower. Inference: the published value may have been tuned towards the measured frequencies"
-        f"{', though not all the way' if high < stiffness.needed else ''}."
-    )
-
-
 def ratios(results: Sequence[CaseResult]) -> Table:
     """Medians and ranges over the runs of thesis / reference."""
+    columns = [Column(f"{half}_{key}", key, *shown, group=HALF[half]) for half in HALVES for key, shown in _SPREAD.items()]
     table = Table(
         "thesis_over_reference",
         """The single cubic (thesis) over the converged solution (reference): medians and ranges over the runs, of first-mode frequency and
         amplitude where both resolve them, and of the peak over the half cycle.""",
-        ("quantity", "channel", *_spread_columns("1", ".3f")),
+        ("quantity", "channel", *columns),
     )
     rows: list[tuple[str, Kind, str | None]] = [("first-mode frequency", "frequency", None)]
     rows += [("first-mode amplitude", "amplitude", channel) for channel in CHANNELS]
@@ -127,20 +85,11 @@ def ratios(results: Sequence[CaseResult]) -> Table:
             compared = differences(results, MODEL, kind, half=half, channel=channel)
             values = _peak_ratios(compared) if kind == "extreme" else [difference.ratio for difference in compared]
             if short := summary_of(values):
-                cells |= _spread_cells(half, short)
+                spread = (short.median, short.lowest, short.highest, short.count)
+                cells |= {f"{half}_{key}": number for key, number in zip(_SPREAD, spread, strict=True)}
         if cells:
             table.add(quantity=label, channel=channel_name(channel), **cells)
     return table
-
-
-def _spread_columns(unit: str, form: str) -> list[Column]:
-    """Median, range and number of runs in each half."""
-    columns = (("median", "median", unit, form), ("low", "least", unit, form), ("high", "greatest", unit, form), ("runs", "runs", "", "d"))
-    return [Column(f"{half}_{key}", head, of, how, group=HALF[half]) for half in HALVES for key, head, of, how in columns]
-
-
-def _spread_cells(half: str, spread: Summary) -> dict[str, float]:
-    return {f"{half}_median": spread.median, f"{half}_low": spread.lowest, f"{half}_high": spread.highest, f"{half}_runs": spread.count}
 
 
 def _peak_ratios(extremes: Sequence[Difference]) -> list[float]:
@@ -149,23 +98,3 @@ def _peak_ratios(extremes: Sequence[Difference]) -> list[float]:
     for difference in extremes:
         peaks.setdefault(difference.case, []).append(difference)
     return [max(abs(d.number.value) for d in pair) / max(abs(d.other_number.value) for d in pair) for pair in peaks.values()]
-
-
-def statements(conclusions: Sequence[Conclusion]) -> Table:
-    """The statements and their verdicts."""
-    table = Table(
-        "statements",
-        """The thesis' statements on frequencies and amplitudes, in our words, and the verdict on each. An inference is a reading that the
-        numbers allow but do not prove.""",
-        ("section", "statement", "verdict", "inference", "numbers"),
-    )
-    for conclusion in conclusions:
-        mark: Mark = "good" if conclusion.outcome in (HOLDS, IN_PART) else "missed" if conclusion.outcome == NOT else "open"
-        table.add(
-            conclusion,
-            section=conclusion.statement.section,
-            statement=conclusion.statement.words,
-            verdict=Cell(conclusion.outcome, mark=mark),
-            inference=Cell(conclusion.inference, "inference" if conclusion.inference else "–"),
-        )
-    return table

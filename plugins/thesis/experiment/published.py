@@ -2,10 +2,14 @@
 
 import functools
 from dataclasses import dataclass
+from typing import Final
 
 from quickreturn.cases.files.units import in_si
 from quickreturn.cases.library.thesis.data import read_table
-from quickreturn.cases.library.thesis.runs import RUNS
+from quickreturn.cases.library.thesis.runs import RUNS, run_case
+
+#: Young's modulus of common wrought aluminium alloys, Pa: 6061 and 2024, 10.0 and 10.6 million psi.
+ALUMINIUM: Final = (10.0e6 * in_si("psi"), 10.6e6 * in_si("psi"))
 
 
 @dataclass(frozen=True)
@@ -61,3 +65,9 @@ def measured_crank_speed(run: int) -> float | None:
 def channel_is_usable(run: int, channel: str) -> bool:
     """Whether section 3.5 calls the measurement of a channel valid: none of run 1, strain alone in runs 2 to 8. Raises KeyError."""
     return RUNS[run].acceleration_usable if channel == "tip_acceleration" else RUNS[run].strain_usable
+
+
+def below_aluminium() -> tuple[float, float]:
+    """Relative distance of the modulus that the printed stiffness and the nominal section mean below aluminium's, least and greatest."""
+    low, high = sorted(1.0 - run_case(24).scene.follower.elastic_modulus / ordinary for ordinary in ALUMINIUM)
+    return low, high

@@ -2,7 +2,6 @@
 
 import functools
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -25,20 +24,6 @@ class Statement:
     low: float = -math.inf  # smallest value that the words mean, -inf if there is none
     high: float = math.inf  # largest value that the words mean, inf if there is none
     share: float = 1.0  # share of the runs that must show it
-
-    def share_of(self, values: Mapping[int, float]) -> float | None:
-        """The share of the runs that shows it, among runs with a value; None if no run has one.
-
-        Args:
-            values: number of the run -> ratio simulation / experiment (kind "relation") or frequency in Hz (kind "frequency").
-        """
-        of_runs = [values[run] for run in self.runs if run in values and not math.isnan(values[run])]
-        return sum(self.low <= value <= self.high for value in of_runs) / len(of_runs) if of_runs else None
-
-    def holds(self, values: Mapping[int, float]) -> bool | None:
-        """Whether enough runs show it; None if no run has a value, or if the statement has no numbers to check."""
-        share = self.share_of(values) if self.kind in ("relation", "frequency") else None
-        return None if share is None else share >= self.share
 
 
 @functools.cache

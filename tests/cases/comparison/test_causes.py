@@ -93,7 +93,6 @@ def test_the_constants_are_those_of_the_fault(table: Columns, reference: Run) ->
         return found(wrong, reference).told(CASE.name)["strain_2"]
 
     assert words(lambda values, _: 1.2 * values).startswith("strain_2 is 1.2 times that of reference (that leaves 0.")
-    assert "is 0.00015 above that of reference" in words(lambda values, _: values + 1.5e-4)
     assert "is 2.5e-05 above" in words(lambda values, _: values + 2.5e-5)
     assert " ms late" in words(lambda values, time: late(values, time, 5e-3))
     frequency = float(words(low_pass(1, 60.0)).split("first order at ")[1].split(" Hz")[0])
@@ -125,11 +124,8 @@ def test_a_clock_that_runs_fast_is_told_where_no_crank_angle_was_recorded(table:
         lambda t: t["strain_2"] + 0.3 * np.abs(t["strain_2"]),
     ],
 )
-@pytest.mark.parametrize("noise", [0.0, 0.005])
-def test_nothing_else_is_given_a_cause(
-    table: Columns, reference: Run, wrong: Callable[[Columns], NDArray[np.float64]], noise: float
-) -> None:
-    told = found(table | {"strain_2": wrong(table)}, reference, noise).told(CASE.name)
+def test_nothing_else_is_given_a_cause(table: Columns, reference: Run, wrong: Callable[[Columns], NDArray[np.float64]]) -> None:
+    told = found(table | {"strain_2": wrong(table)}, reference, 0.005).told(CASE.name)
     assert set(told) == {UNEXPLAINED}
     assert "nothing that was tried explains the difference of strain_2 (off by " in told[UNEXPLAINED]
 

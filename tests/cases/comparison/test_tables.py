@@ -95,7 +95,7 @@ def test_what_is_off_by_more_than_is_claimed_is_told_apart(transient: pd.DataFra
     assert "is 1000 times that of reference" in told["tip_deflection"]
 
 
-@pytest.mark.parametrize("share", [0.003, 0.01, 0.03])
+@pytest.mark.parametrize("share", [0.003, 0.03])
 def test_noise_is_no_disagreement(transient: pd.DataFrame, in_turn_5: Run, recorded: Recorded, share: float) -> None:
     random = np.random.default_rng(1)
     noisy = {name: transient[name] + share * transient[name].std() * random.standard_normal(len(transient)) for name in COLUMNS[3:]}
@@ -108,7 +108,7 @@ def test_noise_is_no_disagreement(transient: pd.DataFrame, in_turn_5: Run, recor
         assert 3.0 < run.approach.settling_errors[name] / (share * transient[name].std()) < 6.0
 
 
-@pytest.mark.parametrize("digits", [4, 5, 8])
+@pytest.mark.parametrize("digits", [4, 8])
 def test_neither_are_few_digits_and_another_sampling(transient: pd.DataFrame, in_turn_5: Run, recorded: Recorded, digits: int) -> None:
     some = transient[::2] if digits < 8 else transient.drop(index=range(3, 2001, 7))
     rounded = {name: [float(f"{value:.{digits}g}") for value in some[name]] for name in COLUMNS[1:]}
@@ -151,7 +151,7 @@ def test_the_class_of_a_table_covers_every_column(transient: pd.DataFrame, in_tu
     assert result.accuracy_class("tool.csv") == "3 %"
 
 
-@pytest.mark.parametrize("zero", [3.0, 10.0, 20.0, 37.0, 90.0, 180.0, -20.0, -37.0])
+@pytest.mark.parametrize("zero", [3.0, 180.0, -37.0])
 def test_an_encoder_whose_zero_is_off_is_told_by_its_angle(settled: pd.DataFrame, steady: Run, recorded: Recorded, zero: float) -> None:
     run = recorded(settled[-2000:], crank_angle=settled["crank_angle"][-2000:] + np.radians(zero))
     told = causes(run, steady).told(CASE.name)
@@ -159,15 +159,15 @@ def test_an_encoder_whose_zero_is_off_is_told_by_its_angle(settled: pd.DataFrame
     assert float(told["crank_angle"].split("crank_angle is ")[1].split(" deg")[0]) == pytest.approx(abs(zero), abs=0.1)
     if abs(zero) < 180.0:
         assert f"deg too {'large' if zero > 0.0 else 'small'}" in told["crank_angle"]
+        assert f"HEADING = crank_angle [deg] {'+' if zero > 0.0 else '-'} " in told["crank_angle"]  # as the table has it
     assert not causes(run, steady).open
 
 
-@pytest.mark.parametrize("late", [0.009, 0.0105, 0.012])
 def test_a_trigger_that_is_late_is_told_beside_noise_and_a_gauge_that_is_not_zeroed(
-    settled: pd.DataFrame, steady: Run, recorded: Recorded, late: float
+    settled: pd.DataFrame, steady: Run, recorded: Recorded
 ) -> None:
     """Each column as it was earlier, while the crank's angle is that of the row."""
-    rows, chance = settled[-2000:], np.random.default_rng(2)
+    late, rows, chance = 0.0105, settled[-2000:], np.random.default_rng(2)
     columns = {name: np.interp(rows["time"] - late, settled["time"], settled[name]) for name in COLUMNS[2:]}
     columns["strain_2"] += 1.5e-4 + 2e-6 * chance.standard_normal(len(rows))
     told = causes(recorded(rows, **columns), steady).told(CASE.name)
@@ -186,6 +186,7 @@ def test_a_softer_arm_is_neither_late_nor_a_factor_and_a_quantity_is_looked_for(
     assert told[QUANTITIES].startswith("a lead (that leaves 0.1 % of a difference of ")
 
 
+@pytest.mark.verify
 def test_what_nothing_explains_is_told_as_that(steady: Run, recorded: Recorded) -> None:
     """One cubic for the follower's shape."""
     found = simulate(engine("thesis"), CASE.mechanism, standard_start(CASE.mechanism), 12.0, 1e-3, {}, estimate=False)
@@ -316,8 +317,8 @@ def test_turns_that_lack_rows_are_not_used_and_it_is_told(
 
 
 def test_a_steady_state_is_judged_by_the_turns_after_a_gap(settled: pd.DataFrame, recorded: Recorded) -> None:
-    later = settled[settled["time"] > 7.0]
-    whole, run = recorded(later), recorded(later[(later["time"] < 9.0) | (later["time"] > 9.01)])
+    later = settled[settled["time"] > 8.0]
+    whole, run = recorded(later), recorded(later[(later["time"] < 10.0) | (later["time"] > 10.01)])
     assert run.status == whole.status == Ending.SETTLED
     assert run.approach.cycles < whole.approach.cycles - 4
     assert "1 of its turns lacks rows" in run.remark
@@ -371,9 +372,8 @@ def test_a_right_table_with_an_encoder_is_not_accused(transient: pd.DataFrame, i
     assert result.passed is True, result.missed
 
 
-@pytest.mark.parametrize("degrees", [1.5, 3.0])  # the crank turns 0.95 in a millisecond
-def test_encoders_with_steps(transient: pd.DataFrame, in_turn_5: Run, recorded: Recorded, degrees: float) -> None:
-    step = np.radians(degrees)
+def test_encoders_with_steps(transient: pd.DataFrame, in_turn_5: Run, recorded: Recorded) -> None:
+    step = np.radians(3.0)  # the crank turns 0.95 deg in a millisecond
     run = recorded(transient, crank_angle=step * np.floor(transient["crank_angle"] / step))
     ours = run.measure("pre", "tip_acceleration")
     assert in_turn_5.consensus_frequency("pre") == pytest.approx(ours.first_mode_frequency, rel=0.02)

@@ -1,4 +1,4 @@
-"""A case file in inches, the same in SI, and what tests do with their text."""
+"""A case file in inches, and what tests do with its text."""
 
 from dataclasses import astuple, is_dataclass
 
@@ -57,59 +57,6 @@ joint_damping = "0.1 lbf*s/in"
 [simulation]
 duration = "2 s"
 output_step = "1 ms"
-"""
-
-# The same scene, each number converted by hand with 1 in = 0.0254 m and 1 lbf = 4.4482216152605 N; decimals are exact.
-IN_SI = """\
-name = "scene"
-title = "A scene"
-tags = ["test"]
-
-[mechanism]
-pivot_distance = "0.4572 m"
-gravity = ["0 m/s^2", "-9.8044 m/s^2"]
-
-[crank]
-length = "101.6 mm"
-mass = "17.51268352464763779527559055118 kg"
-center_of_mass = "76.2 mm"
-inertia = "4.519393161104668e-5 kg*m^2"
-torque = "1.129848290276167 N*m"
-damping = "0.06799035518449393052845 N*m*s/rad"
-initial_angle = "3.14159265358979323846 rad"
-initial_speed = "16.617773 rad/s"
-
-[base]
-inertia = "1.6947724354142505e-5 kg*m^2"
-damping = "2.259696580552334e-6 N*m*s"
-
-[follower]
-length = "0.635 m"
-mass_per_length = "0.32818148397033291316 kg/m"
-bending_stiffness = "6.1075969499621216987996 N*m^2"
-thickness = "3.175 mm"
-width = "3.81 cm"
-damping = "0.1378951458633672 N*s/m^2"
-strain_gauges = ["0.15875 m", "0.3175 m", "0.47625 m"]
-
-[tip]
-mass = "50.786782221478149606299212598422 g"
-inertia = "2.21450264894128732e-6 kg*m^2"
-center_of_mass = "1.27 cm"
-force = ["0.44482216152605 N", "-88.96443230521 mN"]
-force_from = "3.49065850398865915385 rad"
-force_to = "5.75958653158128760385 rad"
-force_ramp = "0.20943951023931954923 rad"
-
-[slider]
-mass = "1.751268352464763779527559055118 kg"
-inertia = "1.129848290276167e-5 kg*m^2"
-joint_stiffness = "17.51268352464763779527559055118 kN/m"
-joint_damping = "17.51268352464763779527559055118 N*s/m"
-
-[simulation]
-duration = "2000 ms"
-output_step = "0.001 s"
 """
 
 

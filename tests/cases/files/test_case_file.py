@@ -8,32 +8,35 @@ from quickreturn.cases.files.case import parse_case
 from quickreturn.cases.files.case_file import with_times
 from quickreturn.cases.files.errors import CaseError
 from quickreturn.reference_model.mechanism import TorqueDrive
-from tests.cases.files.scene_texts import IN_SI, SCENE, changed, numbers
-
-
-def test_a_scene_in_inches_and_in_si_is_the_same() -> None:
-    inches, metric = parse_case(SCENE, "scene.toml"), parse_case(IN_SI, "scene.toml")
-    assert len(numbers(metric)) == 52  # every quantity of the file: none was dropped or put in another's place
-    # 1e-15: both texts are rounded once to a double, the metric one after 16 or more digits
-    assert numbers(inches) == pytest.approx(numbers(metric), rel=1e-15, abs=0.0)
+from tests.cases.files.scene_texts import SCENE, changed, numbers
 
 
 def test_every_key_arrives_where_it_belongs() -> None:
-    case = parse_case(IN_SI, "scene.toml")
+    """Numbers converted by hand with 1 in = 0.0254 m and 1 lbf = 4.4482216152605 N; rounded once to a double, after 16 digits."""
+    case = parse_case(SCENE, "scene.toml")
     scene = case.mechanism
     assert (case.name, case.title, case.tags, case.source, case.notes) == ("scene", "A scene", ("test",), "scene.toml", ())
     assert (case.duration, case.output_step) == (2.0, 0.001)
-    assert (scene.pivot_distance, scene.gravity) == (0.4572, (0.0, -9.8044))
-    assert (scene.crank.length, scene.crank.center_of_mass, scene.crank.inertia) == (0.1016, 0.0762, 4.519393161104668e-5)
-    assert scene.crank.initial_angle == math.pi
-    assert scene.crank.drive == TorqueDrive(torque=1.129848290276167, damping=0.06799035518449393, initial_speed=16.617773)
-    assert (scene.base.inertia, scene.base.damping) == (1.6947724354142505e-5, 2.259696580552334e-6)
-    assert (scene.follower.length, scene.follower.thickness, scene.follower.width) == (0.635, 0.003175, 0.0381)
-    assert (scene.follower.damping, scene.follower.strain_gauges) == (0.1378951458633672, (0.15875, 0.3175, 0.47625))
-    assert (scene.tip.inertia, scene.tip.center_of_mass) == (2.21450264894128732e-6, 0.0127)
-    assert (scene.tip.force, scene.tip.force_from) == ((0.44482216152605, -0.08896443230521), 3.490658503988659)
-    assert (scene.tip.force_to, scene.tip.force_ramp) == (5.759586531581288, 0.20943951023931956)
-    assert (scene.slider.joint_stiffness, scene.slider.joint_damping) == (17512.68352464763779, 17.51268352464763779)
+    assert len(numbers(case)) == 52  # every quantity of the file: none was dropped or put in another's place
+    crank, base, follower, tip, slider = scene.crank, scene.base, scene.follower, scene.tip, scene.slider
+    assert isinstance(crank.drive, TorqueDrive)
+    assert tip is not None
+    for found, expected in (
+        ((scene.pivot_distance, *scene.gravity), (0.4572, 0.0, -9.8044)),
+        ((crank.length, crank.center_of_mass, crank.inertia), (0.1016, 0.0762, 4.519393161104668e-5)),
+        ((crank.mass, crank.initial_angle), (17.512683524647638, math.pi)),
+        ((crank.drive.torque, crank.drive.damping), (1.129848290276167, 0.06799035518449393)),
+        ((crank.drive.initial_speed, base.inertia, base.damping), (16.617773, 1.6947724354142505e-5, 2.259696580552334e-6)),
+        ((follower.length, follower.thickness, follower.width), (0.635, 0.003175, 0.0381)),
+        ((follower.mass_per_length, follower.bending_stiffness), (0.32818148397033291, 6.1075969499621217)),
+        ((follower.damping, *follower.strain_gauges), (0.1378951458633672, 0.15875, 0.3175, 0.47625)),
+        ((tip.mass, tip.inertia, tip.center_of_mass), (0.050786782221478150, 2.21450264894128732e-6, 0.0127)),
+        ((*tip.force, tip.force_from), (0.44482216152605, -0.08896443230521, 3.490658503988659)),
+        ((tip.force_to, tip.force_ramp), (5.759586531581288, 0.20943951023931956)),
+        ((slider.mass, slider.inertia), (1.7512683524647638, 1.129848290276167e-5)),
+        ((slider.joint_stiffness, slider.joint_damping), (17512.683524647638, 17.512683524647638)),
+    ):
+        assert found == pytest.approx(expected, rel=1e-15, abs=0.0)
 
 
 def test_what_may_be_left_out_has_the_documented_default() -> None:

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from quickreturn.cases.files.case import Case, parse_case
-from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.files.errors import CaseError
 from quickreturn.cases.files.keys import PATHS, si_text, unit_given
 from quickreturn.cases.files.reading import changes_of
@@ -25,7 +24,6 @@ from quickreturn.plugins.studies.sweep.rows import MeasureRequest
 from quickreturn.plugins.studies.uncertainty.calibration import Search, frees_of
 from quickreturn.plugins.studies.uncertainty.parameters import Parameter, changes
 from quickreturn.plugins.studies.uncertainty.propagation import planned
-from quickreturn.plugins.thesis.finding.effects import effects
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.scene_values import values_of
 from quickreturn.reference_model.slider import Slider
@@ -169,13 +167,6 @@ def test_every_way_to_change_a_list_gives_the_same_machine(name: str, key: str) 
     for scene in (swept, case.with_({key: in_other}).mechanism, case.mechanism_with(changes(case.mechanism, parameters))):
         assert isinstance(scene, Mechanism)
         assert values_of(scene) == values_of(expected)
-
-
-def test_an_effect_of_the_thesis_is_the_case_file_with_its_values() -> None:
-    for effect in effects():
-        for place, strength in enumerate(effect.strengths):
-            texts = {**({effect.set: strength} if "." in effect.set else {}), **effect.also}
-            assert effect.scene(7, place) == load_case("thesis-07", texts).mechanism, effect.id
 
 
 def test_a_mistake_in_a_change_shows_the_value_as_it_was_given() -> None:

@@ -31,7 +31,7 @@ def test_every_case_of_the_library_is_the_same_when_it_is_written_and_read(name:
 
 
 @given(scenes(compliant=True, turning_slider=True), st.floats(0.1, 1e3), st.floats(1e-3, 1e3))
-@settings(max_examples=50)
+@settings(max_examples=25)
 def test_any_scene_is_the_same_when_it_is_written_and_read(scene: object, speed: float, time: float) -> None:
     mechanism: Mechanism = scene.mechanism  # type: ignore[attr-defined]
     case = Case(name="random", title='In "quotes", with a \\', tags=("a", "b"), scene=mechanism, duration=0.3, output_step=0.1)

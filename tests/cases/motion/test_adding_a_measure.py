@@ -93,17 +93,3 @@ def test_a_measure_needs_a_function_and_a_declaration_and_appears_wherever_measu
     assert [float(row[place]) for row in rows[1:] if row[0] == "reference"] == [pytest.approx(right)]
     page = (tmp_path / "report/index.html").read_text("utf-8")
     assert "RMS tip jerk" in page[page.index('id="table-run_example"') :]
-
-
-@pytest.mark.verify
-def test_a_study_measures_it_with_its_error(tmp_path: Path) -> None:
-    environment = with_jerk(tmp_path / "copy")
-    varied = ("--vary", "crank.prescribed_speed = 100 rpm; 110 rpm", "--measure", "rms.tip_jerk", "--output", "jerk.csv")
-    command = [sys.executable, "-c", "from quickreturn.command_line import main; main()", "sweep", "thesis-24", *varied]
-    told = subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert told.returncode == 0, told.stderr
-    assert "rms.tip_jerk [m/s^3]: least" in told.stdout
-    rows = [line.split(",") for line in (tmp_path / "jerk.csv").read_text("utf-8").splitlines()]
-    values, errors = ([float(row[at]) for row in rows[1:]] for at in (rows[0].index(name) for name in rows[0] if "tip_jerk" in name))
-    assert 0.0 < values[0] < values[1]
-    assert all(0.0 < error < 0.1 * value for value, error in zip(values, errors, strict=True))

@@ -10,11 +10,10 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicHermiteSpline
 
-from quickreturn.cases.comparison.campaign import carry_out
 from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.orbit import Curve, Orbit, PeriodicStart, begins_in_orbit, cycles_needed, find_orbit, orbits
-from quickreturn.cases.motion.request import DIRECT, FROM_ORBIT, STANDARD, RunRequest
+from quickreturn.cases.motion.request import STANDARD, RunRequest
 from quickreturn.cases.motion.settling import GREATEST_NUMBER, TOLERANCE
 from quickreturn.cases.motion.steady_state import steady_state
 from quickreturn.cases.running.key import hash_of
@@ -120,26 +119,6 @@ def test_what_there_is_none_to_begin_in_says_why(monkeypatch: pytest.MonkeyPatch
     assert found.begin is None
     assert found.multiplier == (1.25 if outcome == "unstable" else None)
     assert {"none found": "astray", "unstable": "not stable", "rigid": "rigid follower"}[outcome] in found.reason
-
-
-@pytest.mark.verify
-def test_the_runner_lets_them_begin_where_they_shall(tmp_path: Path) -> None:
-    requests = {
-        ("orbit",): request(settings=CHEAP),
-        ("straight",): request(settings=CHEAP, straight=True, estimated=False),
-        ("thesis",): request("thesis", settings={"tolerance": "1e-6"}),
-        ("reference",): request("reference", settings={"modes": "2", "tolerance": "1e-6"}),
-    }
-    found = carry_out(requests, Workshop(Store(tmp_path), LocalProcesses(1)))
-    runs = {name[0]: run for name, run in found.items()}
-    assert {name: run.approach.start for name, run in runs.items()} == {
-        "orbit": FROM_ORBIT,
-        "straight": STANDARD,
-        "thesis": STANDARD,
-        "reference": DIRECT,
-    }
-    assert all(run.status == Ending.SETTLED for run in runs.values()), [run.remark for run in runs.values()]
-    assert {name for name, run in runs.items() if run.measured.unestimated} == {"straight", "thesis"}
 
 
 def test_a_run_that_will_not_do_is_not_begun(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from quickreturn.cases.library import library_case
-from quickreturn.cases.motion.catalogue import MEASURES, measure
+from quickreturn.cases.motion.catalogue import MEASURES
 from quickreturn.cases.motion.endings import Ending
-from quickreturn.cases.motion.measure import SettledMotion
 from quickreturn.cases.motion.request import DIRECT, STANDARD, Run, RunRequest
 from quickreturn.cases.motion.stability import NOT_CONVERGED, UNCOMPARED_ERROR, Multiplier
 from quickreturn.cases.motion.steady_state import steady_state
@@ -66,19 +65,6 @@ def test_a_multiplier_is_compared_with_its_own_counterpart() -> None:
     assert run.approach.periodic_orbit.multiplier_error < 0.02
 
 
-@pytest.mark.verify
-def test_run_and_sweep_have_the_same_multiplier() -> None:
-    """From the standard start to the last bit, and from a neighbour's motion within the claim."""
-    mechanism = scene(24)
-    run = run_of(mechanism)
-    asked = MeasureRequest(measures=("multiplier",), settings={"modes": "4", "tolerance": "1e-6"})
-    alone = row([mechanism], asked)
-    found = measure("multiplier").of(SettledMotion(mechanism, run))
-    assert (found.value, found.error) == (alone.values[0, 0], alone.errors[0, 0])
-    behind = row([changed(mechanism, {"crank.torque": 1.1 * mechanism.crank.drive.torque}), mechanism], asked)  # type: ignore[union-attr]
-    assert abs(behind.values[1, 0] - alone.values[0, 0]) < alone.errors[0, 0]
-
-
 @pytest.mark.parametrize(
     ("multiplier", "status"),
     [
@@ -95,19 +81,6 @@ def test_run_and_sweep_have_the_same_multiplier() -> None:
 def test_the_stability_is_told_as_far_as_the_error_shows_it(multiplier: Multiplier, status: str) -> None:
     assert multiplier.status == status
     assert (multiplier.sentence == "") == (status == Ending.SETTLED)
-
-
-@pytest.mark.verify
-def test_a_machine_without_damping_is_neutral() -> None:
-    """Phase volume neither shrinks nor grows in it: all multipliers lie on the unit circle."""
-    mechanism = library_case("hard-undamped").mechanism
-    run = run_of(mechanism)
-    assert (run.status, run.ending.delivered, run.usable) == (Ending.NEUTRAL, True, True)
-    assert "neither grows nor dies away" in run.remark
-    asked = MeasureRequest(measures=("peak.tip_acceleration", "multiplier"), claims=False)
-    found = row([mechanism], asked)
-    assert found.statuses == (Ending.NEUTRAL,)
-    assert found.values[0, 1] == pytest.approx(1.0, abs=1e-3)
 
 
 @pytest.mark.verify

@@ -115,8 +115,7 @@ plugins.studies.resonance_curve.search.resonance_curve: cases.files.copies cases
     not cases.comparison.engines
 plugins.methods.race.raced: plugins.methods.search plugins.methods.asked plugins.methods.truth, not plugins.methods.studies
 plugins.methods.truth.truth_of: plugins.methods.truth plugins.methods.row, not plugins.methods.search cases.comparison.engines
-plugins.thesis.finding.response.respond: cases.motion.half_cycle cases.motion.marching, not cases.comparison.engines
-plugins.thesis.modes.thesis_modes: plugins.thesis.modes, not cases.comparison.engines
+plugins.thesis.inference.response.respond: cases.motion.half_cycle cases.motion.marching, not cases.comparison.engines
 """.strip().replace("\n    ", " ")
 
 

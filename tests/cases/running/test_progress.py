@@ -23,7 +23,7 @@ from quickreturn.cases.running.display import answers
 from quickreturn.cases.running.job import Job
 from quickreturn.cases.running.processes import LocalProcesses
 told = "from quickreturn.engines.progress import tell; tell(engine='fake', phase='marching'); tell(cycle=7, most=60)"
-work = told + "; import time; time.sleep(1.2)"
+work = told + "; import time; time.sleep(0.6)"
 jobs = [Job(name, exec, (work,)) for name in ("one", "two")]
 print([outcome.failure for outcome in answers(LocalProcesses(1, preload=(), quiet=False), jobs, "runs")])
 """

@@ -8,10 +8,8 @@ from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.motion.balances import Balances
 from quickreturn.engines.exudyn import settings as ladder
 from quickreturn.engines.exudyn.engine import ExudynEngine
-from quickreturn.engines.ladder import gain_of
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.start import standard_start
-from quickreturn.reference_model.natural_modes import stiffness_ratio
 
 ENGINE = ExudynEngine()
 
@@ -34,12 +32,3 @@ def test_only_steps_that_leave_too_much_energy_become_others(accuracy: float, fr
     assert left <= 2.0 * accuracy * 1.05**2 or found.step <= ladder.SHORTEST_FOR_BALANCE
     assert found == rung or (found.extrapolated and found.step <= rung.step)
     assert found == rung or ladder.LEFT_BY_STEPS[rung.extrapolated] * (rung.step * frequency) ** 2 > 2.0 * accuracy
-
-
-@pytest.mark.parametrize("case", ["thesis-24", "thesis-17", "thesis-01", "hard-gravity", "hard-no-tip"])
-@pytest.mark.parametrize("accuracy", [1e-2, 3e-3, 1e-3])
-def test_soft_arms_keep_the_rung_of_their_accuracy(case: str, accuracy: float) -> None:
-    mechanism = load_case(case).mechanism
-    rung = ladder.rung_for(accuracy, gain_of(mechanism), stiffness_ratio(mechanism) < ladder.SLOW)
-    found = ENGINE.settings_for(accuracy, mechanism)
-    assert (found.elements, found.step, found.extrapolated) == (rung.elements, rung.step, rung.extrapolated)

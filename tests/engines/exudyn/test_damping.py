@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from quickreturn.engines.exudyn import simulation
 from quickreturn.engines.exudyn.damping import LONGEST, LONGEST_TURN, longest_stretch
 from quickreturn.engines.registry import engine
 from quickreturn.engines.relative import relative_error
@@ -35,13 +34,6 @@ def test_damping_leaves_the_turning_of_a_fast_arm_alone():
     errors = errors_of(arm(0.09, 27.0, 6e-3, 40.0, 77.0), 0.16, 7, elements=12, step=1.25e-4)
     assert errors["tip_deflection"] < 1e-4  # measured 3.0e-5, and 2.0e-4 with points carried on along their tangents
     assert errors["strain_1"] < 1e-4
-
-
-@pytest.mark.parametrize(
-    ("output_step", "steps", "stretches"), [(1e-3, 4, 1), (1e-2, 40, 10), (1e-2, 7, 7), (5e-3, 6, 6), (5e-3, 5, 5), (1e-2, 21, 21)]
-)
-def test_dampers_are_moved_as_often_as_asked_or_every_step(output_step, steps, stretches):
-    assert simulation._stretches(output_step, steps, 1e-3) == stretches
 
 
 def test_dampers_are_moved_before_they_turn_far():

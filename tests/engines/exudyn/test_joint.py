@@ -45,19 +45,6 @@ def disagreement(mechanism: Mechanism, duration: float) -> dict[str, float]:
 
 
 @pytest.mark.verify
-def test_joints_agree_within_claims_in_run_24() -> None:
-    found = disagreement(run_24(), 0.3)
-    assert max(found.values()) <= 1.0, found
-
-
-@pytest.mark.verify
-def test_joints_agree_within_claims_on_random_machines() -> None:
-    for scene in itertools.islice(sensible_machines(SEED), 2):
-        found = disagreement(scene.mechanism, 0.1)
-        assert max(found.values()) <= 1.0, (scene.name, found)
-
-
-@pytest.mark.verify
 def test_joints_agree_within_claims(portion: Portion) -> None:
     """The thesis' runs and twenty machines."""
     runs = [(name, load_case(name)) for name in RUNS]

@@ -15,29 +15,6 @@ from tests.quickreturn.program import started
 __all__ = ["place"]
 
 
-@pytest.mark.verify
-def test_a_damaged_result_is_computed_anew_and_said_in_one_sentence(place: Path, call: Call) -> None:
-    arguments = ("run", "small.toml", *engines("sound", "also-sound"), "--json")
-    first = call(*arguments)
-    assert (first.code, first.errors) == (0, "")
-    simulated = simulations(place)
-    assert set(simulated) == {"sound", "also-sound"}
-    whole = {file: file.read_bytes() for file in stored(place)}
-    damaged, edited = stored(place)
-    damaged.write_bytes(whole[damaged][:-100])
-    edited.write_bytes(whole[edited].replace(b"settled", b"sattled", 1))
-    code, output, errors = call(*arguments)
-    said = json.loads(output)["notices"]
-    assert (code, sorted(errors.splitlines())) == (0, sorted(f"quickreturn: {sentence}" for sentence in said))
-    assert all(any(file.name in sentence and "computed anew" in sentence for sentence in said) for file in (damaged, edited))
-    assert sorted(simulations(place)) == sorted(simulated * 2)
-    second = json.loads(output)["cases"][0]["engines"]
-    assert [engine["measures"] for engine in second] == [engine["measures"] for engine in json.loads(first.output)["cases"][0]["engines"]]
-    third = call(*arguments)
-    assert (third.code, third.errors) == (0, "")
-    assert len(simulations(place)) == 2 * len(simulated)
-
-
 @contextlib.contextmanager
 def no_file_larger_than(size: int) -> Iterator[None]:
     """A limit on the size of files stands for a full disk: it holds for root too."""

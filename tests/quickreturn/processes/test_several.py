@@ -13,7 +13,7 @@ import pytest
 from quickreturn.command_line import main
 from tests.engines.faulty_engines import install_faulty_engines
 from tests.quickreturn.conftest import Call
-from tests.quickreturn.program import PROGRAM, started
+from tests.quickreturn.program import PROGRAM
 from tests.quickreturn.scene_file import SCENE
 
 
@@ -107,18 +107,6 @@ def test_the_shell_is_answered(typed: str, completed: str) -> None:
 def test_the_shell_gets_its_script() -> None:
     environment = {**os.environ, "_QUICKRETURN_COMPLETE": "zsh_source"}
     assert "compdef" in subprocess.run([PROGRAM], env=environment, capture_output=True, text=True, check=True).stdout
-
-
-@pytest.mark.verify
-def test_a_pipe_hears_what_is_at_work_and_a_quiet_one_does_not(call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    arguments = ("run", "small.toml", "--engine", "sound", "--engine", "also-sound", "--json")
-    told = started(*arguments, folder=tmp_path, variables={"QUICKRETURN_STORE": "one"}).communicate()
-    assert "small sound" in told[1]
-    assert "of 2 done" in told[1]
-    monkeypatch.setenv("QUICKRETURN_STORE", "two")
-    quiet = call(*arguments)  # with --quiet
-    assert quiet.errors == ""
-    assert json.loads(told[0])["cases"][0]["passed"] is json.loads(quiet.output)["cases"][0]["passed"] is True
 
 
 def test_nothing_is_known_of_a_store_where_none_is_used(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:

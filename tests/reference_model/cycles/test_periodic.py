@@ -52,22 +52,6 @@ def test_the_orbit_repeats(model: BeamModel, orbit: PeriodicOrbit) -> None:
     assert orbit.stable
 
 
-def test_marching_arrives_at_the_orbit(model: BeamModel, orbit: PeriodicOrbit) -> None:
-    """60 cycles from the standard start: 0.778^60 = 3e-7 is left of the distance at the beginning."""
-    state, step = straight(model), 0.0
-    for _ in range(60):
-        march = model.integrate(state, orbit.period, 1, INTEGRATION, step)
-        state, step = march.states[-1], march.next_step
-    # the march is not at the farthest place after a whole number of periods; the orbit is brought to the march's crank angle
-    crank = model.parameters.n + 2
-    goal = (state[0] - orbit.state[0]) % (2.0 * math.pi)
-    ahead = goal / orbit.state[crank]
-    for _ in range(5):  # Newton's method: the crank speed varies by some percent, its square five times is nothing
-        there = model.integrate(orbit.state, ahead, 1, INTEGRATION).states[-1]
-        ahead += (goal + orbit.state[0] - there[0]) / there[crank]
-    assert distance(model, orbit, orbit.state + state - there) < 1e-6
-
-
 def test_known_multipliers(model: BeamModel, orbit: PeriodicOrbit) -> None:
     """Of run 24, from another program with two modes and derivatives by the crank angle: 0.773, 0.750 twice, 0.18 twice."""
     assert orbit.period == pytest.approx(2.0 * math.pi / SPEED, rel=2e-3)  # the follower's damping costs 5e-4 of the speed

@@ -130,7 +130,7 @@ def test_a_rigid_follower_has_the_closed_forms(model_of: Any, mechanism: Mechani
         np.testing.assert_allclose(columns[name], expected, atol=1e-6 * np.max(np.abs(expected)), err_msg=name)
     s = rigid_motion(mechanism, *motion).slider_position
     for name, x in (("slider", s + 1e-9), ("inboard", s - 1e-9), ("base", 0.0), ("tip", mechanism.follower.length)):
-        expected = rigid_bending_moment(mechanism, x, *motion)  # type: ignore[arg-type]  # arrays of places do as well
+        expected = rigid_bending_moment(mechanism, x, *motion)
         # at the ends it is small: rounding is measured by the largest moment along the arm
         np.testing.assert_allclose(columns[f"moment_{name}"], expected, atol=1e-6 * np.max(np.abs(columns["moment_06"])), err_msg=name)
 

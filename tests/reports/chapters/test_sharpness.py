@@ -6,15 +6,11 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from quickreturn.cases.comparison.campaign import cross_validate
 from quickreturn.cases.comparison.engines import CaseResult, compare
 from quickreturn.cases.comparison.pair import KINDS, WAVEFORM, Kind
-from quickreturn.cases.files.case_file import load_case
-from quickreturn.cases.motion.cycle import EXTREMES, VIBRATION, measure_cycle
+from quickreturn.cases.motion.cycle import EXTREMES, VIBRATION
 from quickreturn.cases.motion.request import Run
-from quickreturn.cases.motion.time_scale import CHANNELS, time_scale
-from quickreturn.cases.running.store import Store
-from quickreturn.cases.running.workshop import Workshop
+from quickreturn.cases.motion.time_scale import CHANNELS
 from quickreturn.reports.chapters.agreement import Sharpness, sharpness, smallest_found
 from tests.changed_run import changed_run
 from tests.reports.reported_results import agreeing, reported_result
@@ -25,9 +21,6 @@ MARGIN = 2e-3
 SCALED: dict[Kind, tuple[str, ...]] = {"frequency": VIBRATION[:1], "amplitude": VIBRATION[1:], "extreme": EXTREMES}
 
 RESULTS = [agreeing(reported_result("thesis-24")), agreeing(reported_result("thesis-06", seed=5))]
-
-#: What a cycle that is measured anew leaves as it was: the engine's own estimates.
-CLAIMS = ("parts", *(f"{name}_estimate" for name in (*VIBRATION, *EXTREMES)))
 
 
 def found_of(results: list[CaseResult], engine: str, kind: Kind) -> Sharpness:
@@ -95,36 +88,3 @@ def test_a_gain_is_found_in_every_waveform_that_tells_a_smaller_one() -> None:
 
     count, total = beyond(RESULTS, "exudyn", "waveform", louder)
     assert 2 * count >= total > 0
-
-
-@pytest.fixture(scope="module")
-def run_24() -> CaseResult:
-    """As it is stored, or computed."""
-    (found,) = cross_validate([load_case("thesis-24")], Workshop(Store()))
-    return found
-
-
-@pytest.mark.verify
-@pytest.mark.parametrize("engine", ["exudyn", "mujoco"])
-@pytest.mark.parametrize("kind", list(SCALED))
-def test_an_error_in_the_motion_is_found_like_one_in_the_numbers(run_24: CaseResult, engine: str, kind: Kind) -> None:
-    """The whole way: the columns or the time of the settled cycle are scaled, and the cycle is measured anew."""
-    scale = time_scale(run_24.case.mechanism)
-
-    def planted(factor: float) -> Callable[[Run], Run]:
-        def change(run: Run) -> Run:
-            faster, larger = (factor, 1.0) if kind == "frequency" else (1.0, factor)
-            time, channels = run.cycle["time"] / faster, {name: larger * run.cycle[name] for name in CHANNELS}
-            found = measure_cycle(scale, time, run.cycle["crank_angle"], channels)
-            anew = ({name: value for name, value in vars(each).items() if name not in CLAIMS} for each in found.measures)
-            measures = tuple(dataclasses.replace(number, **values) for number, values in zip(run.measured.measures, anew, strict=True))
-            return changed_run(run, measures=measures)
-
-        return change
-
-    assert beyond([run_24], engine, kind, planted(1.0))[0] == 0
-    told = found_of([run_24], engine, kind)
-    # what is measured anew has an uncertainty of its own, which grows with the amplitude, and a fit that ends a little elsewhere
-    for error, least in ((0.9 * told.found_somewhere, 0), (1.1 * told.found_somewhere, 1)):
-        counts = [beyond([run_24], engine, kind, planted(1.0 + sign * error))[0] for sign in (1, -1)]
-        assert min(counts) == 0 if least == 0 else min(counts) >= 1, (error, counts)

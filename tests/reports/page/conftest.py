@@ -11,8 +11,8 @@ from playwright.sync_api import Page, sync_playwright
 from quickreturn.plugins.methods.tests.made_up_map import made_up_map
 from quickreturn.plugins.methods.tests.made_up_races import made_up_fronts, made_up_race
 from quickreturn.plugins.methods.tests.pages import of_studies
-from quickreturn.plugins.thesis.page_data import finding_of
-from quickreturn.plugins.thesis.tests.made_up_finding import made_up_finding
+from quickreturn.plugins.thesis.page_data import inference_of
+from quickreturn.plugins.thesis.tests.made_up_inference import made_up_inference
 from quickreturn.reports.machine import machine_facts
 from quickreturn.reports.report import write
 from tests.reports.in_a_browser import RESULTS, Open, Tabs
@@ -30,7 +30,7 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> str:
     write(
         content_of(
             results=RESULTS,
-            data=of_studies(fronts=fronts, classes=made_up_map()) | {finding_of: made_up_finding()},
+            data=of_studies(fronts=fronts, classes=made_up_map()) | {inference_of: made_up_inference()},
             facts=machine_facts(),
         ),
         folder,

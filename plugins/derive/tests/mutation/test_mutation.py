@@ -6,7 +6,7 @@ from quickreturn.plugins.derive.tests.mutation.mutants import HUNTS
 from quickreturn.plugins.derive.tests.mutation.mutation import Hunt, original
 
 #: The quick tests take one site in so many.
-APART = 8
+APART = 16
 
 pytestmark = pytest.mark.parametrize("hunt", HUNTS.values(), ids=list(HUNTS))
 

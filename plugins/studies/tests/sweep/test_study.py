@@ -1,12 +1,7 @@
 """Studies: the way through a row, points that are lost with their process, rows that are kept."""
 
-import os
-import subprocess
-import time
-import tracemalloc
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -21,14 +16,10 @@ from quickreturn.cases.running.job import Limits, Outcome
 from quickreturn.cases.running.key import key_of
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
-from quickreturn.dataset import dataset_file
-from quickreturn.plugins.studies.public import sweeping
 from quickreturn.plugins.studies.sweep import grid as of_grid
 from quickreturn.plugins.studies.sweep.grid import Grid, axis
 from quickreturn.plugins.studies.sweep.rows import MeasureRequest, Row
 from quickreturn.plugins.studies.sweep.study import study
-from quickreturn.reference_model.scene_values import Changes
-from tests.quickreturn.program import PROGRAM
 
 ASKED = MeasureRequest(measures=("peak.tip_acceleration", "multiplier"), claims=False)
 
@@ -126,57 +117,3 @@ def test_two_motions_are_flagged_where_the_ways_differ(tmp_path: Path, monkeypat
     monkeypatch.setattr(of_grid, "measured_row", folded)
     found = study(grid("crank.prescribed_speed = 1 rpm .. 5 rpm : 5"), ASKED, Workshop(Store(tmp_path), ThisProcess()), "both")
     assert found.two_motions.tolist() == [False, True, True, True, False]
-
-
-@pytest.mark.verify
-def test_the_fold_of_run_24s_machine(tmp_path: Path) -> None:
-    """Between 233 and 239 rpm the machine has two stable motions: which one it is in depends on how it got there."""
-    found = study(grid("crank.prescribed_speed = 228 rpm .. 244 rpm : 33"), ASKED, Workshop(Store(tmp_path), ThisProcess()), "both")
-    speeds = np.linspace(228.0, 244.0, 33)[found.two_motions]
-    assert speeds.min() == pytest.approx(233.0, abs=1.0)
-    assert speeds.max() == pytest.approx(239.0, abs=1.0)
-
-
-@pytest.mark.verify
-def test_ten_thousand_points_that_cost_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, record_property: Any) -> None:
-    """What a study of 100,000 points takes besides its points: a tenth of it is measured here."""
-
-    def costless(case: object, changes: tuple[Changes, ...], asked: MeasureRequest) -> Row:
-        values = np.ones((len(changes), len(asked.measures)))
-        return Row(values, values, (Ending.SETTLED,) * len(changes), ("",) * len(changes))
-
-    monkeypatch.setattr(of_grid, "measured_row", costless)
-    some = grid("tip.mass = 0 g .. 60 g : 100", "crank.prescribed_speed = 60 rpm .. 240 rpm : 100")
-    asked = MeasureRequest(measures=("peak.tip_acceleration", "multiplier", "pre.frequency", "post.frequency"))
-    began = time.process_time()
-    tracemalloc.start()
-    found = study(some, asked, Workshop(Store(tmp_path), ThisProcess()))
-    _, memory = tracemalloc.get_traced_memory()
-    tracemalloc.stop()
-    stored = sum(file.stat().st_size for file in tmp_path.iterdir()) / found.statuses.size
-    written = len(dataset_file(sweeping.dataset_of(found), ".nc")) / found.statuses.size
-    record_property("processor s a point", (time.process_time() - began) / found.statuses.size)
-    record_property("bytes a point in memory, store and file", (memory / found.statuses.size, stored, written))
-    assert max(stored, written, memory / found.statuses.size) < 2000.0
-
-
-@pytest.mark.verify
-def test_a_study_that_is_killed_goes_on_and_gives_the_same_file(tmp_path: Path) -> None:
-    """A SIGKILL in the middle costs the rows that were being computed."""
-    command = [str(PROGRAM), "sweep", "thesis-24", "--vary", "crank.prescribed_speed = 80 rpm .. 120 rpm : 9"]
-    command += ["--vary", "tip.mass = 0 g .. 50 g : 6", "--no-claims", "--output"]
-
-    def environment(store: str) -> dict[str, str]:
-        return {**os.environ, "QUICKRETURN_STORE": str(tmp_path / store)}
-
-    with subprocess.Popen([*command, str(tmp_path / "killed.nc")], env=environment("killed")) as running:
-        while len(list((tmp_path / "killed").glob("*.result"))) < 2:
-            assert running.poll() is None
-            time.sleep(0.05)
-        running.kill()
-    kept = {file.name: file.stat().st_mtime_ns for file in (tmp_path / "killed").glob("*.result")}
-    assert not (tmp_path / "killed.nc").exists()
-    for name in ("killed", "whole"):
-        subprocess.run([*command, str(tmp_path / f"{name}.nc")], env=environment(name), check=True)
-    assert all((tmp_path / "killed" / name).stat().st_mtime_ns == written for name, written in kept.items())
-    assert (tmp_path / "killed.nc").read_bytes() == (tmp_path / "whole.nc").read_bytes()
