@@ -1,9 +1,10 @@
 """The settings that are tried: for each combination of an engine's choices as many runs as for any other, and no rung chosen by hand.
 
 A combination is an engine with one text for each of its settings that are a choice (family of shapes, constraint, integrator, joint): its
-usual ones, or one of them changed. Its axes are what its settings class declares: whole numbers (modes, shapes, elements, links), switches, and the real numbers below; an axis
-that an engine does not have falls away. The search begins with what the engine itself would take for each level of the error. From the
-fastest run below a level, or the most accurate one if there is none, it goes along one axis at a time, by steps that become smaller.
+usual ones, or one of them changed. Its axes are what its settings class declares: whole numbers (modes, shapes, elements, links), switches,
+and the real numbers below; an axis that an engine does not have falls away. The search begins with what the engine itself would take for
+each level of the error. From the fastest run below a level, or the most accurate one if there is none, it goes along one axis at a time, by
+steps that become smaller.
 """
 
 import math
