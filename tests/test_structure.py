@@ -45,7 +45,7 @@ LARGEST_KERNEL = 10_000
 #: Room -> lines of code at most: blank lines, comments, docstrings and imports do not count, nor do tests.
 BUDGETS = {
     "reference_model": 5_887,
-    "engines": 4_317,
+    "engines": 4_338,
     "cases": 6_060,
     "reports": 2_345,
     "quickreturn": 1_910,
@@ -54,7 +54,7 @@ BUDGETS = {
     "plugins/conform": 950,
     "plugins/derive": 2_090,
     "plugins/fmu": 390,
-    "plugins/methods": 2_275,
+    "plugins/methods": 2_272,
     "plugins/pack": 430,
     "plugins/strength": 1_400,
     "plugins/studies": 2_510,

@@ -40,7 +40,7 @@ _ADVISED: Final = ("scene", "engine", "variant", "settings", "level", "status", 
     options.json,
 )
 def benchmark(call: Call, runs: int, lines: str | None) -> int:
-    """Find what each method needs for an error, in seconds and right-hand sides, from the standard start of each CASE.
+    """Find what each method needs for an error, in seconds and evaluations, from the standard start of each CASE.
 
     A method is an engine with one of its choices of shapes, joint and integrator. The settings are searched for, with as many runs for each
     method as for any other. Without a CASE the scenes are those on which the report compares methods, and the settings chosen in the first

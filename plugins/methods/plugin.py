@@ -3,7 +3,7 @@
 from quickreturn.engines.plugins import Plugin
 
 _HERE = "quickreturn.plugins.methods"
-_BENCHMARK = "Find what each method needs for an error, in seconds and right-hand sides, from the standard start of each CASE."
+_BENCHMARK = "Find what each method needs for an error, in seconds and evaluations, from the standard start of each CASE."
 _ADVISE = "Say where CASE lies on the map of classes, and which methods were the fastest there to an error."
 PLUGIN = Plugin(
     engines={

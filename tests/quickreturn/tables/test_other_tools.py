@@ -94,7 +94,7 @@ def test_a_simulation_written_from_the_text_passes(call: Call, change: tuple[str
         ",".join(map(repr, [1e3 * float(time), *(float(row[name]) for name in names)])) for time, row in zip(times, rows, strict=True)
     ]
     Path("scipy.csv").write_text("\n".join(lines))
-    answer = call("compare", "rigid", "scipy.csv", *change, "--engine", "reference", "--json")
+    answer = call("compare", "rigid", "scipy.csv", *change, "--engine", "reference", "--set", "engine.tolerance=1e-9", "--json")
     assert answer.code == 0, answer
     (case,) = json.loads(answer.output)["cases"]
     assert case["turn"] == (3 if not change else 2)  # whole turns begin at 180 deg

@@ -111,7 +111,7 @@ def test_a_name_has_one_colour_and_one_mark_in_all_charts(opened: Open, scheme: 
     found = page.locator(".drawn [data-of]").evaluate_all(script)
     names = {name for name, *_ in found}
     wanted = {name: rgb(getattr(look, scheme)) for name, look in looks(names).items()}
-    assert {"reference", "thesis", "exudyn", "multiplier", "tip_deflection", "strain_3"} <= names
+    assert {"reference", "thesis", "exudyn", "multiplier"} <= names
     assert {(name, colour) for name, _, _, colour in found} == set(wanted.items())
     marks = {name: {(tag, points) for other, tag, points, _ in found if other == name and tag in ("circle", "polygon")} for name in names}
     assert all(len(shapes) == 1 for shapes in marks.values()), marks
