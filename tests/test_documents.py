@@ -289,7 +289,7 @@ def fastest_on_run_24(level: float) -> dict[str, tuple[float, float | None]]:
     """Recorded solve time of each engine at an error of the tip deflection, and the time for its answer (None: too long)."""
     (found,) = (each for each in recorded("benchmark") if each.case == "thesis-24")
     times: dict[str, tuple[float, float | None]] = {}
-    given = [row for row in found.given if row.engine != MODEL or row.settings["elements"] == 1]  # with one cubic, as published
+    given = [row for row in found.given if row.engine != MODEL or row.settings.get("elements", 1) == 1]  # with one cubic, as published
     for at in standings(given, level, DEFLECTION).values():
         answers = [row for row in found.rows if (row.engine, row.level, row.status) == (at.row.engine, level, REACHED)]
         times.setdefault(at.row.engine, (at.seconds, answers[0].answer_seconds if answers else None))
@@ -316,14 +316,13 @@ def test_winners_by_waiting_time_are_those_of_the_recorded_map() -> None:
 
 
 def test_the_table_of_the_readme_is_the_record() -> None:
-    """Times of run 24 to 1 %, and the classes that each method wins to 1 %; no other method wins one."""
-    rows = re.findall(r"^\| `([a-z-]+)` \| [^|]+ \| (\S+) \| (\S+) \| (\S+) \| (\S+) \|$", prose("README.md"), re.MULTILINE)
-    fastest, wins = fastest_on_run_24(1e-2), [winners_of(class_map(), 1e-2, time).wins for time in TIMES]
+    """Times of run 24 to 1 %."""
+    rows = re.findall(r"^\| `([a-z-]+)` \| [^|]+ \| (\S+) \| (\S+) \|$", prose("README.md"), re.MULTILINE)
+    fastest = fastest_on_run_24(1e-2)
+    assert len(rows) == 5
     for name, *cells in rows:
         times = None if "never" in cells[:2] else [float(each) if each != "–" else None for each in cells[:2]]
         assert times == ([each and pytest.approx(each, rel=0.03) for each in fastest[name]] if name in fastest else None), name
-        assert [0 if each == "-" else int(each) for each in cells[2:]] == [counts.get(name, 0) for counts in wins], name
-    assert {name for counts in wins for name in counts} <= {name for name, *_ in rows}
 
 
 @pytest.mark.parametrize("document", sorted(DOCUMENTS))

@@ -10,7 +10,7 @@ from quickreturn.cases.library import library_case
 from quickreturn.plugins.methods.fronts import DEFLECTION, standings
 from quickreturn.plugins.methods.groups import Groups
 from quickreturn.plugins.methods.race import SLOW, Race
-from quickreturn.plugins.methods.row import FAILED, NOT_REACHED, REACHED, REFUSED, TIP, TOO_SLOW, Row
+from quickreturn.plugins.methods.row import FAILED, NOT_REACHED, REACHED, REFUSED, TIP, TOO_SLOW, Row, essential
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.scene_values import NAMED, values_of
 
@@ -105,7 +105,8 @@ def off_the_map(mechanism: Mechanism) -> list[str]:
 def condensed(found: Race) -> list[Row]:
     """For each engine and level of the map a row: the time of its fastest combination at the level, and that of its own answer."""
     engines = dict.fromkeys(row.engine for row in found.rows)
-    return [_condensed(found.case, [row for row in found.rows if row.engine == name], level) for name in engines for level in LEVELS]
+    rows = {name: [row for row in found.rows if row.engine == name] for name in engines}
+    return [essential(_condensed(found.case, rows[name], level)) for name in engines for level in LEVELS]
 
 
 def _condensed(scene: str, rows: Sequence[Row], level: float) -> Row:

@@ -2,11 +2,12 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, Final
 
 from quickreturn.engines.base import AnyEngine
 from quickreturn.engines.error_parts import ESTIMATED
+from quickreturn.engines.registry import engine
 from quickreturn.engines.relative import relative_error
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.trajectory import Trajectory
@@ -95,3 +96,10 @@ def choices_of(engine: AnyEngine) -> dict[str, tuple[str, ...]]:
     """The settings of an engine that are a choice among texts, with what they accept, the default first."""
     chosen = {each.name: each for each in fields(engine.settings_type) if each.metadata.get("choices")}
     return {name: tuple(sorted(each.metadata["choices"], key=lambda text: text != each.default)) for name, each in chosen.items()}
+
+
+def essential(row: Row) -> Row:
+    """The row as it is recorded: with those settings alone that differ from the engine's defaults, and the errors that are compared."""
+    usual = engine(row.engine).settings_type().as_dict()
+    errors = {name: error for name, error in row.errors.items() if name == TIP or error == row.worst}
+    return replace(row, settings={name: value for name, value in row.settings.items() if value != usual.get(name)}, errors=errors)

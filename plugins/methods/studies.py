@@ -23,7 +23,7 @@ from quickreturn.plugins.methods.groups import Groups, case_of, grid, name_of
 from quickreturn.plugins.methods.map import ClassScene, Map
 from quickreturn.plugins.methods.race import Contest, Race, race
 from quickreturn.plugins.methods.rivals import RIVALS
-from quickreturn.plugins.methods.row import LEVELS, Row
+from quickreturn.plugins.methods.row import LEVELS, Row, essential
 from quickreturn.plugins.methods.signed import Line, read_lines
 from quickreturn.reports.long_studies import About, about, table
 from quickreturn.reports.page.content import Content
@@ -36,6 +36,8 @@ ENGINES: Final = (*MAIN, *RIVALS)
 REQUESTED: Final = 1e-2
 #: Processor time (s) for an answer in a hard scene.
 PATIENCE_OF_HARD: Final = 60.0
+#: Largest error of a row on a front that is recorded.
+LARGEST_RECORDED: Final = 0.1
 #: Who signs settings that the search found on the first scene.
 CHOSEN: Final = "chosen on {}"
 #: Runs of a combination in the scenes after the first, where settings found in that are tried, too.
@@ -109,11 +111,11 @@ def classes(workshop: Workshop, among: Iterable[Groups] | None = None) -> Map:
 
 
 def recorded_rows(rows: Sequence[Row]) -> list[Row]:
-    """The rows of a scene that are recorded: those on a front, the signed ones, and the answers."""
+    """The rows of a scene that are recorded: the signed ones, the answers, and those on a front with an error up to `LARGEST_RECORDED`."""
     kept = {id(row) for row in rows if row.signed or row.level is not None}
     for method in dict.fromkeys(row.method for row in rows):
         given = [row for row in rows if row.method == method and row.level is None]
-        kept |= {id(row) for by in CRITERIA for row in front(given, by)}
+        kept |= {id(row) for by in CRITERIA for row in front(given, by) if (row.worst or 0.0) <= LARGEST_RECORDED}
     return [row for row in rows if id(row) in kept]
 
 
@@ -128,7 +130,7 @@ def hard_scene_rows(workshop: Workshop) -> dict[str, Sequence[Any]]:
 
 
 def _tables(name: str, races: Sequence[Race]) -> dict[str, Sequence[Any]]:
-    rows = [row for found in races for row in recorded_rows(found.rows)]
+    rows = [essential(row) for found in races for row in recorded_rows(found.rows)]
     return {name: rows, f"{name}_scenes": [replace(found, rows=()) for found in races]}
 
 

@@ -142,7 +142,7 @@ def test_the_recorded_tables_are_small_and_say_how_they_were_made() -> None:
 def solved(case: str, name: str, settings: str) -> Trajectory:
     """One run of a scene of the benchmark; the settings as JSON."""
     scene, chosen = load_case(case), engine(name)
-    used = chosen.settings_for(1e-4, scene.mechanism).with_texts(as_texts(json.loads(settings)))
+    used = chosen.settings_type().with_texts(as_texts(json.loads(settings)))
     return run_once(chosen, scene.mechanism, standard_start(scene.mechanism), scene.duration, scene.output_step, used).trajectory
 
 

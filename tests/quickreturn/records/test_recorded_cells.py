@@ -82,7 +82,7 @@ def pace(run: Callable[[], CompletedRun], other: Callable[[], CompletedRun]) -> 
 def runner(row: Row) -> Callable[[], CompletedRun]:
     """Runs a row with given settings."""
     case, chosen = load_case(row.scene), engine(row.engine)
-    settings = chosen.settings_for(1e-4, case.mechanism).with_texts(as_texts(row.settings))
+    settings = chosen.settings_type().with_texts(as_texts(row.settings))
     return lambda: run_of(chosen, case, settings)
 
 
@@ -117,7 +117,7 @@ def classes(draw: Draw, workshop: Workshop) -> None:
     for recorded in draw([each for each in known.trials if each.solve_seconds is not None and each.settings] or known.trials):
         if recorded.settings:
             case, chosen = case_of(scenes[recorded.scene].groups), engine(recorded.engine)
-            settings = chosen.settings_for(1e-4, case.mechanism).with_texts(as_texts(recorded.settings))
+            settings = chosen.settings_type().with_texts(as_texts(recorded.settings))
             error = errors_of(run_of(chosen, case, settings).trajectory, truth_of(case).trajectory)["tip_deflection"]
             assert error == pytest.approx(recorded.error, rel=SAME, abs=scenes[recorded.scene].difference or 0.0), recorded
 
