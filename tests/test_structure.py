@@ -45,7 +45,7 @@ LARGEST_KERNEL = 10_000
 #: Room -> lines of code at most: blank lines, comments, docstrings and imports do not count, nor do tests.
 BUDGETS = {
     "reference_model": 5_887,
-    "engines": 4_338,
+    "engines": 4_340,
     "cases": 6_060,
     "reports": 2_345,
     "quickreturn": 1_910,

@@ -37,13 +37,15 @@ def assert_finer_has_the_smaller_error(pair: Comparison, size: str) -> None:
 @given(numbers, families, st.sampled_from([(fixed_shapes.ENGINE, FixedShapesSettings), (multiplier.ENGINE, MultiplierSettings)]))
 def test_shapes_are_compared_with_other_numbers_of_them(shapes: int, family: str, chosen: tuple[Engine, type[ShapeSettings]]) -> None:
     engine, settings = chosen
-    for pair in pairs_of(engine, settings(integrator="explicit", shapes=shapes, family=family)):
+    for pair in pairs_of(engine, settings(integrator="explicit", tolerance=1e-9, shapes=shapes, family=family)):
         assert_finer_has_the_smaller_error(pair, "shape_count")
 
 
 @given(numbers, families, st.floats(LEAST_STIFFNESS, MOST_STIFFNESS), st.floats(0.0, MOST_DAMPING))
 def test_springs_are_compared_with_other_shapes_and_springs_apart(shapes: int, family: str, stiffness: float, damping: float) -> None:
-    settings = StiffSpringSettings(integrator="explicit", shapes=shapes, family=family, stiffness=stiffness, damping=damping)
+    settings = StiffSpringSettings(
+        integrator="explicit", tolerance=1e-9, shapes=shapes, family=family, stiffness=stiffness, damping=damping
+    )
     *of_shapes, of_spring = pairs_of(stiff_spring.ENGINE, settings)
     for pair in of_shapes:
         assert_finer_has_the_smaller_error(pair, "shape_count")
@@ -54,13 +56,16 @@ def test_springs_are_compared_with_other_shapes_and_springs_apart(shapes: int, f
 
 def test_spring_of_a_compliant_joint_is_no_error() -> None:
     scene = run_24(slider=Slider(joint_stiffness=2e4))
-    pairs = stiff_spring.ENGINE.comparisons(StiffSpringSettings(integrator="explicit"), scene, 1e-3)
+    pairs = stiff_spring.ENGINE.comparisons(StiffSpringSettings(integrator="explicit", tolerance=1e-9), scene, 1e-3)
     assert len(pairs) == 2
     assert all(isinstance(pair.other, StiffSpringSettings) and pair.other.shapes < 12 for pair in pairs)
 
 
 def test_spring_is_stiffened_and_shapes_are_added_as_the_parts_ask() -> None:
-    engine, settings = stiff_spring.ENGINE, StiffSpringSettings(integrator="explicit", shapes=12, stiffness=1e6, damping=30.0)
+    engine, settings = (
+        stiff_spring.ENGINE,
+        StiffSpringSettings(integrator="explicit", tolerance=1e-9, shapes=12, stiffness=1e6, damping=30.0),
+    )
     softer, fewer = (engine.finer(settings, {"modes": modes, "spring": spring}, 1e-3) for modes, spring in ((0.2, 3.0), (4.0, 0.1)))
     assert (softer.shapes, softer.stiffness / settings.stiffness) == (12, pytest.approx(8.0))
     assert softer.damping / settings.damping == pytest.approx(8.0)
@@ -69,7 +74,7 @@ def test_spring_is_stiffened_and_shapes_are_added_as_the_parts_ask() -> None:
 
 @given(st.integers(1, 64))
 def test_elements_are_compared_with_other_numbers_of_them(elements: int) -> None:
-    for pair in pairs_of(nodal_load.ENGINE, NodalLoadSettings(elements=elements, integrator="explicit")):
+    for pair in pairs_of(nodal_load.ENGINE, NodalLoadSettings(elements=elements, integrator="explicit", tolerance=1e-9)):
         for each in (pair, pair.instead or pair):
             assert_finer_has_the_smaller_error(each, "elements")
 

@@ -12,7 +12,6 @@ from quickreturn.engines import refusals
 from quickreturn.engines.base import HELD, TOOL, USUAL, Comparison, EstimateOf
 from quickreturn.engines.ladder import Ladder, fitted
 from quickreturn.engines.own.beam_engine import (
-    IMPLICIT,
     LEAST_TOLERANCE,
     ORDER_OF_SLOWING,
     BeamEngine,
@@ -112,7 +111,7 @@ class RivalEngine(BeamEngine[S]):
 
 def finer_by_parts(settings: S, excess: Mapping[str, float], finer: Callable[[S, Mapping[str, float]], S | None]) -> S | None:
     """What `finer` makes of an excess, with modes slowed less and a smaller tolerance where those parts are too large, or None."""
-    shares = {"slowing": SHARE_OF_SLOWING if settings.slows else 0.0, "time": SHARE_OF_TIME if settings.integrator == IMPLICIT else 0.0}
+    shares = {"slowing": SHARE_OF_SLOWING if settings.slows else 0.0, "time": SHARE_OF_TIME if compared_integration(settings) else 0.0}
     slowing, in_time = (excess.get(of, 0.0) / share if share else 0.0 for of, share in shares.items())
     others = {of: part for of, part in excess.items() if of not in shares}
     climbed: S | None = settings

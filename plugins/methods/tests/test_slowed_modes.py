@@ -80,7 +80,7 @@ def test_what_slowing_does_is_below_its_estimate_and_saves_right_hand_sides(chos
 
 
 def test_the_comparison_is_with_modes_at_most_half_as_stiff_and_absent_where_none_is_slowed() -> None:
-    scene, settings = run_24(), FixedShapesSettings(shapes=24, integrator="explicit")
+    scene, settings = run_24(), FixedShapesSettings(shapes=24, integrator="explicit", tolerance=1e-9)
     for slowed_to in range(2, 24):
         pairs = fixed_shapes.ENGINE.comparisons(settings.replaced(slowed_to=slowed_to), scene, 1e-3)
         other = next(pair.other for pair in pairs if pair.of == "slowing").slowed_to
