@@ -1,4 +1,4 @@
-"""A tool of one page: the mechanism with a rigid follower, as `quickreturn show rigid --for-other-tools` describes it."""
+"""A tool of one page: the mechanism with a rigid follower, as `show --for-other-tools` prints it."""
 
 import numpy as np
 from scipy.integrate import solve_ivp
