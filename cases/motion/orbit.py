@@ -187,10 +187,10 @@ def compared_orbits(
 def settled_pairs(engine: AnyEngine, settings: Settings, mechanism: Mechanism) -> tuple[Comparison, ...]:
     """The runs with which an engine compares a settled cycle.
 
-    A second finer run only shows whether an error falls after an impact: a settled cycle does not follow one.
+    A run with still more modes only shows whether their error falls after an impact: a settled cycle does not follow one.
     """
     pairs = engine.comparisons(settings, mechanism, output_step(mechanism))
-    return tuple(replace(pair, before=None) if pair.factor < 1.0 else pair for pair in pairs)
+    return tuple(replace(pair, before=None) if pair.of == "modes" else pair for pair in pairs)
 
 
 def periodic_state(scene: Mechanism, settings: ReferenceSettings, near: "FoundOrbit | None") -> "FoundOrbit | None":

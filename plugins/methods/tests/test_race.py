@@ -11,7 +11,6 @@ from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.library import catalogue
 from quickreturn.cases.library.hard import TAG
-from quickreturn.cases.running.job import Limits
 from quickreturn.cases.running.processes import LocalProcesses
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
@@ -132,23 +131,6 @@ def test_a_solution_that_cannot_be_had_is_a_failure(tmp_path: Path, monkeypatch:
 
 def _broken(case: Case) -> Truth:
     raise EngineFailure(0.1, "the loop cannot close any more", "check the scene")
-
-
-def test_an_engine_that_dies_is_left_out_and_the_others_are_measured(found: tuple[Race, Workshop], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "raced", _deadly)
-    workshop = Workshop(found[1].store, LocalProcesses(1, Limits(seconds=60.0)))
-    made = race(short(), Contest(("exudyn", "thesis", "mujoco"), runs=0), workshop)
-    assert made is not None
-    assert made.failures == {"exudyn": "killed by SIGABRT", "thesis": "raised ZeroDivisionError: a bug"}
-    assert [row.engine for row in made.rows] == ["mujoco"]
-
-
-def _deadly(case: Case, contest: Contest, truth: Truth) -> list[Row]:
-    if contest.engines == ("exudyn",):
-        os.abort()
-    if contest.engines == ("thesis",):
-        raise ZeroDivisionError("a bug")
-    return [Row(scene=case.name, engine="mujoco", level=0.01)]
 
 
 def test_scenes_are_in_the_library() -> None:
