@@ -1,4 +1,4 @@
-"""A tool of one page: the mechanism with a rigid follower, as `show --for-other-tools` prints it."""
+"""A tool of one page: the mechanism with a rigid follower, by scipy alone."""
 
 import numpy as np
 from scipy.integrate import solve_ivp
