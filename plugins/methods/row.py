@@ -99,7 +99,8 @@ def choices_of(engine: AnyEngine) -> dict[str, tuple[str, ...]]:
 
 
 def essential(row: Row) -> Row:
-    """The row as it is recorded: with those settings alone that differ from the engine's defaults, and the errors that are compared."""
+    """The row as it is recorded: settings that differ from the engine's defaults, errors that are compared, the remark's first clause."""
     usual = engine(row.engine).settings_type().as_dict()
     errors = {name: error for name, error in row.errors.items() if name == TIP or error == row.worst}
-    return replace(row, settings={name: value for name, value in row.settings.items() if value != usual.get(name)}, errors=errors)
+    settings = {name: value for name, value in row.settings.items() if value != usual.get(name)}
+    return replace(row, settings=settings, errors=errors, remark=row.remark.partition("; ")[0])
