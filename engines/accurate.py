@@ -36,10 +36,9 @@ from quickreturn.engines.error_parts import (
 )
 from quickreturn.engines.one_run import CompletedRun, Remembered, compile_seconds, run_once
 from quickreturn.engines.one_thread import on_one_thread
-from quickreturn.engines.relative import rms
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start
-from quickreturn.engines.trajectory import FollowerTrajectory, Trajectory
+from quickreturn.engines.trajectory import FollowerTrajectory, Trajectory, rms
 from quickreturn.reference_model.mechanism import Scene
 
 #: Assumed time of the next run over that of the longest so far: half the step and twice the elements. It is not begun if less time is left.

@@ -27,9 +27,8 @@ from quickreturn.engines.accurate import NOT_ESTIMATED, Result
 from quickreturn.engines.base import AnyEngine, Engine, EngineFailure
 from quickreturn.engines.error_parts import ESTIMATED, TIP, ErrorPart
 from quickreturn.engines.registry import usable_engine
-from quickreturn.engines.relative import rms
 from quickreturn.engines.settings import as_texts
-from quickreturn.engines.trajectory import Trajectory
+from quickreturn.engines.trajectory import Trajectory, rms
 from quickreturn.readings import readings
 from quickreturn.reference_model.columns import AXIAL, BEARINGS, BENDING, COLUMNS
 from quickreturn.reference_model.native import cache_folder

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import DOP853  # takes 0.3 s to import: only the compiled loop imports this module
 
-from quickreturn.reference_model.integration import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STAGES, STEP_TOO_SMALL, TOO_MANY_CALLS
+from quickreturn.reference_model.integrate import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STAGES, STEP_TOO_SMALL, TOO_MANY_CALLS
 from quickreturn.reference_model.native.compilation import inner
 from quickreturn.reference_model.native.pointers import call_equations, matrix_at, numbers_at
 from quickreturn.reference_model.native.simd import load, plus, spread, store, total

@@ -12,8 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from quickreturn.reference_model.entries import IMPLICIT_LOOP
-from quickreturn.reference_model.integrate import FIRST_STEP, LEAST_STEP, Equations
-from quickreturn.reference_model.integration import Integration
+from quickreturn.reference_model.integrate import FIRST_STEP, LEAST_STEP, Equations, Integration
 from quickreturn.reference_model.native.memory import ComplexMatrix, ComplexVector, Cube, Matrix, Placed, Vector
 
 

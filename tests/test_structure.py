@@ -30,10 +30,10 @@ FILES = list(MODULES.values())
 
 #: What one must know to change anything else: nothing in it imports anything outside it at the head of a file (docs/developing.md).
 KERNEL = """
-reference_model: columns eigenproblem errors follower mechanism natural_modes quantities rigid scene_values shapes slider
-    splines spring tip tip_force
-reference_model.native: cache_folder turn
-engines: accurate base error_parts ladder one_run one_thread plugins progress refusals registry relative settings start
+reference_model: columns eigenproblem errors follower interpolation mechanism natural_modes quantities rigid scene_values shapes slider
+    spring tip
+reference_model.native: cache_folder
+engines: accurate base error_parts ladder one_run one_thread plugins progress refusals registry settings start
     trajectory
 cases.files: broken_toml case copies document errors force_table keys number_rows plausibility printable reading shown text_file units
     whole_file written

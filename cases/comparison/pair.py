@@ -33,7 +33,7 @@ from quickreturn.cases.motion.number import (
 from quickreturn.cases.motion.request import Run
 from quickreturn.cases.motion.settling import GRID, on_common_grid
 from quickreturn.cases.motion.time_scale import CHANNELS
-from quickreturn.engines.relative import rms
+from quickreturn.engines.trajectory import rms
 from quickreturn.reference_model.columns import COLUMNS
 
 Array = NDArray[np.float64]

@@ -32,7 +32,7 @@ from quickreturn.cases.motion.marching import columns_of
 from quickreturn.cases.motion.request import STANDARD, Approach, Recording, Run
 from quickreturn.cases.motion.settling import AT_THE_END, GREATEST_NUMBER, TOLERANCE, Cycle, Settling, cut_cycles, on_common_grid
 from quickreturn.cases.motion.time_scale import CHANNELS, TURN, time_scale
-from quickreturn.engines.relative import rms
+from quickreturn.engines.trajectory import rms
 from quickreturn.reference_model.columns import COLUMNS, SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.rigid import crank_pace, mean_crank_speed

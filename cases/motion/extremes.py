@@ -7,7 +7,7 @@ import scipy  # whose parts are imported when they are used
 from numpy.typing import NDArray
 
 from quickreturn.cases.motion.number import Number
-from quickreturn.reference_model.splines import CubicSpline
+from quickreturn.reference_model.interpolation import CubicSpline
 
 Array = NDArray[np.float64]
 

@@ -11,8 +11,7 @@ from quickreturn.engines.exudyn.rigid import RigidModel
 from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import at_rest, reconstruct
-from quickreturn.reference_model.mechanism import FollowerAlone, Scene
-from quickreturn.reference_model.spin_up import base_motion
+from quickreturn.reference_model.mechanism import FollowerAlone, Scene, base_motion
 
 
 def model_of(scene: Scene, start: Start | None, settings: ExudynSettings) -> Model:

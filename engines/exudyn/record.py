@@ -11,8 +11,7 @@ from quickreturn.engines.exudyn.cable import Cable, dot, turned
 from quickreturn.reference_model.columns import PLACES, SHAPE
 from quickreturn.reference_model.mechanism import TorqueDrive
 from quickreturn.reference_model.spring import Pull, Spring, pull_of, spring_energy
-from quickreturn.reference_model.tip import Tip
-from quickreturn.reference_model.tip_force import slide_friction, tip_force
+from quickreturn.reference_model.tip import Tip, slide_friction, tip_force
 
 Array = NDArray[np.float64]
 #: Values with their first and second derivatives in time.

@@ -8,7 +8,7 @@ import numpy as np
 from quickreturn.engines.base import EngineFailure, Simulation
 from quickreturn.engines.exudyn.simulation import ExudynSimulation
 from quickreturn.engines.trajectory import Trajectory, join
-from quickreturn.reference_model.splines import CubicSpline
+from quickreturn.reference_model.interpolation import CubicSpline
 
 
 class ExtrapolatedSimulation(Simulation):

@@ -21,10 +21,10 @@ from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import reconstruct
 from quickreturn.engines.trajectory import Trajectory, trajectory_type
 from quickreturn.engines.units import Units
-from quickreturn.reference_model import tip_force
 from quickreturn.reference_model.columns import ROW, by_column, recorded_columns
 from quickreturn.reference_model.joint import rollers
 from quickreturn.reference_model.mechanism import Mechanism, Scene, TorqueDrive
+from quickreturn.reference_model.tip import tool_constants
 
 Array = NDArray[np.float64]
 
@@ -175,7 +175,7 @@ def _hinge_angles(tangents: Array) -> Array:
 
 def _context(scene: Scene, hinges: int, data: mujoco.MjData) -> tuple[NDArray[np.void], Array]:
     """The `CONTEXT` of a scene, shape (1,), and an array to which it has the address."""
-    follower, context, tool = scene.follower, np.zeros(1, CONTEXT), tip_force.constants(scene.tip_body)
+    follower, context, tool = scene.follower, np.zeros(1, CONTEXT), tool_constants(scene.tip_body)
     table = tool.pop("force_table")
     values: dict[str, Any] = {
         "qpos": data.qpos.ctypes.data,

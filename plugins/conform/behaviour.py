@@ -17,9 +17,8 @@ from quickreturn.cases.running.job import Job
 from quickreturn.cases.running.processes import LocalProcesses
 from quickreturn.engines.base import AnyEngine, EngineFailure
 from quickreturn.engines.own.reference import ReferenceEngine
-from quickreturn.engines.relative import rms
 from quickreturn.engines.start import Start, standard_start
-from quickreturn.engines.trajectory import Trajectory
+from quickreturn.engines.trajectory import Trajectory, rms
 from quickreturn.plugins.conform.bench import Array, Bench, Check, Fault, Motion, check_by, compared_columns, engine_from, some
 from quickreturn.reference_model.scene_values import changed
 

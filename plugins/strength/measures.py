@@ -36,7 +36,7 @@ from quickreturn.plugins.strength.loads import Loads, loads_in
 from quickreturn.plugins.strength.peak import of_vector
 from quickreturn.plugins.strength.stress import ArmStress
 from quickreturn.reference_model.columns import AXIAL, COLUMNS
-from quickreturn.reference_model.splines import CubicSpline
+from quickreturn.reference_model.interpolation import CubicSpline
 
 Array = NDArray[np.float64]
 

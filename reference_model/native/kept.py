@@ -8,8 +8,7 @@ from typing import Any
 
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
 
-from quickreturn.reference_model.native.cache_folder import folder, hash_of
-from quickreturn.reference_model.native.turn import Turn
+from quickreturn.reference_model.native.cache_folder import Turn, folder, hash_of
 
 
 class _Locator(_CacheLocator):

@@ -16,7 +16,7 @@ from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.columns import PLACES, SHAPE
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.rigid import mean_crank_speed, rigid_motion
-from quickreturn.reference_model.tip_force import tip_force
+from quickreturn.reference_model.tip import tip_force
 from quickreturn.reports.drawing.curves import WIDE
 from quickreturn.reports.drawing.style import FONT_SIZE, GREY, QUICK, SMALL, Array, Drawing, look, new_figure
 from quickreturn.reports.words import angle_text

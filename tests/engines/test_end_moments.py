@@ -10,11 +10,10 @@ from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.mujoco.settings import ChainSettings
 from quickreturn.engines.own.reference import ReferenceSettings
 from quickreturn.engines.registry import engine, usable_engine
-from quickreturn.engines.relative import relative_error
 from quickreturn.engines.scene import simulate_scene
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import standard_start
-from quickreturn.engines.trajectory import Columns
+from quickreturn.engines.trajectory import Columns, relative_error
 from quickreturn.reference_model.mechanism import Base
 from quickreturn.reference_model.tip import Tip
 from tests.engines.scenes import FOLLOWER_ALONE, run_24

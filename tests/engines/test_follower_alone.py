@@ -6,15 +6,13 @@ import pytest
 
 from quickreturn.engines.base import Refusal
 from quickreturn.engines.registry import engine
-from quickreturn.engines.relative import relative_error
 from quickreturn.engines.scene import describe_scene, simulate_scene
 from quickreturn.engines.settings import Settings
-from quickreturn.engines.trajectory import FollowerTrajectory
+from quickreturn.engines.trajectory import FollowerTrajectory, relative_error
 from quickreturn.plugins.methods.rivals import RIVALS
 from quickreturn.reference_model.columns import COLUMNS, SHAPE
 from quickreturn.reference_model.follower import Follower
-from quickreturn.reference_model.mechanism import Base, FollowerAlone, SpinUp
-from quickreturn.reference_model.spin_up import base_motion
+from quickreturn.reference_model.mechanism import Base, FollowerAlone, SpinUp, base_motion
 from tests.engines.scenes import FOLLOWER_ALONE
 
 SCENE = replace(FOLLOWER_ALONE, spin_up=SpinUp(speed=7.0, time=1.0), gravity=(0.2, -0.5))

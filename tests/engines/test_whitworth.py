@@ -20,9 +20,8 @@ from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceEngine
 from quickreturn.engines.registry import usable_engine
-from quickreturn.engines.relative import rms
 from quickreturn.engines.start import standard_start
-from quickreturn.engines.trajectory import Columns
+from quickreturn.engines.trajectory import Columns, rms
 from quickreturn.plugins.conform.tests.mutants import column
 from quickreturn.plugins.studies.uncertainty.table_model import TableModel
 from quickreturn.reference_model.errors import ImpossibleMechanism

@@ -94,7 +94,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
         target.parent.mkdir(parents=True, exist_ok=True)
         if (ROOT / name).exists():
             shutil.copy(ROOT / name, target, follow_symlinks=False)
-    ship = [sys.executable, "-P", "-m", "quickreturn.reference_model.ship"]
+    ship = [sys.executable, "-P", "-m", "quickreturn.reference_model.entries"]
     subprocess.run(ship, check=True, capture_output=True, cwd=folder, env={**clean(), "PYTHONPATH": str(folder / "source")})
     command = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--wheel-dir", str(folder), str(folder / "source")]
     subprocess.run(command, check=True, capture_output=True, cwd=folder)

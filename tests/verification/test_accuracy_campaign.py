@@ -19,9 +19,9 @@ from quickreturn.engines.base import Refusal
 from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.registry import engine
-from quickreturn.engines.relative import rms, scale
 from quickreturn.engines.scene import simulate_scene
 from quickreturn.engines.start import standard_start
+from quickreturn.engines.trajectory import rms, scale
 from tests.slices import Portion
 from tests.verification.accuracy_campaign import ACCURACIES, ANSWER, ENGINES, SEED, Request, Row, campaign, library_scenes, main, scene_rows
 from tests.verification.claims import MARGIN, deliveries, judged, left_out, summary

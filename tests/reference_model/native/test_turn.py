@@ -9,15 +9,15 @@ from pathlib import Path
 
 import pytest
 
-from quickreturn.reference_model.native import turn
-from quickreturn.reference_model.native.turn import Turn, waits_for
+from quickreturn.reference_model.native import cache_folder as turn
+from quickreturn.reference_model.native.cache_folder import Turn, waits_for
 from tests.package_copy import ROOT
 
 #: Takes the turn of a file, says so, and keeps it until its input ends, or until it is killed.
 HOLDER = """
 import sys
 from pathlib import Path
-from quickreturn.reference_model.native.turn import Turn
+from quickreturn.reference_model.native.cache_folder import Turn
 turn = Turn(Path(sys.argv[1]))
 turn.take()
 print("taken", flush=True)

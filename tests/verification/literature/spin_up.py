@@ -21,8 +21,7 @@ from quickreturn.cases.files.case_file import load_case
 from quickreturn.engines.accurate import Result
 from quickreturn.engines.registry import engine
 from quickreturn.engines.scene import simulate_scene
-from quickreturn.reference_model.mechanism import FollowerAlone, SpinUp
-from quickreturn.reference_model.spin_up import base_motion
+from quickreturn.reference_model.mechanism import FollowerAlone, SpinUp, base_motion
 from tests.verification.literature.rotating_cantilever import cubic_frequency, frequencies, quasi_static_deflection, time_unit
 from tests.verification.row import Row
 

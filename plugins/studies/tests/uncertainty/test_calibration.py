@@ -17,8 +17,8 @@ from quickreturn.cases.files.recorded import RecordedTable, table_of
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceSettings
 from quickreturn.engines.registry import engine
-from quickreturn.engines.relative import rms
 from quickreturn.engines.start import standard_start
+from quickreturn.engines.trajectory import rms
 from quickreturn.plugins.studies.uncertainty.calibration import DEFAULT_ERROR, TABLE_ERROR, Free, calibrate
 from quickreturn.plugins.studies.uncertainty.covariance import covariance, reach, smooth_part, undetermined
 from quickreturn.plugins.studies.uncertainty.fit import FittedParameter
