@@ -3,8 +3,8 @@
 from quickreturn.arguments import case as case
 from quickreturn.arguments import list_cases as list_cases
 from quickreturn.cases.files.case import Case as Case
-from quickreturn.cases.files.columns import UnknownColumn as UnknownColumn
 from quickreturn.cases.files.errors import CaseError as CaseError
+from quickreturn.cases.files.errors import UnknownColumn as UnknownColumn
 from quickreturn.cases.files.recorded import RecordedTable as RecordedTable
 from quickreturn.cases.files.recorded import read_table as read_table
 from quickreturn.cross_validation import CrossValidation as CrossValidation

@@ -12,9 +12,8 @@ from collections.abc import Sequence
 from contextlib import suppress
 from typing import Any
 
-from quickreturn.cases.files.whole_file import write_atomically
 from quickreturn.cases.running.key import LIBRARIES
-from quickreturn.cases.running.store import Store
+from quickreturn.cases.running.store import Store, write_atomically
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.registry import engine
 from quickreturn.reports.long_studies import FOLDER, About, about, studies, text_of

@@ -13,12 +13,11 @@ import numpy as np
 
 from quickreturn.arguments import AnyCase, engine_given, one_case
 from quickreturn.cases.files.case import Case
-from quickreturn.cases.files.columns import known_column
+from quickreturn.cases.files.errors import known_column
 from quickreturn.cases.files.printable import Cell, Printable, Rows
 from quickreturn.cases.motion.solving import Answer, TrajectoryRequest, frequencies_job
 from quickreturn.cases.running.display import compilation_announced
-from quickreturn.cases.running.in_process import ThisProcess
-from quickreturn.cases.running.job import Job, T
+from quickreturn.cases.running.job import Job, T, ThisProcess
 from quickreturn.cases.running.store import Store, StoreError
 from quickreturn.cases.running.workshop import outcomes_of
 from quickreturn.computing import checked

@@ -22,10 +22,10 @@ from quickreturn.reports.machine import machine_facts
 from quickreturn.reports.output import check_folder, write_file
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.content import Content
+from quickreturn.reports.page.content import verification as stored_verification
 from quickreturn.reports.page.part import parts
 from quickreturn.reports.page.render import report_page
-from quickreturn.reports.tables.table import Table
-from quickreturn.reports.verification import verification as stored_verification
+from quickreturn.reports.tables import Table
 from quickreturn.reports.words import TIED, counted
 
 PAGE: Final = "index.html"

@@ -35,10 +35,9 @@ reference_model: columns eigenproblem errors follower interpolation mechanism na
 reference_model.native: cache_folder
 engines: accurate base error_parts ladder one_run one_thread plugins progress refusals registry settings start
     trajectory
-cases.files: broken_toml case copies document errors force_table keys number_rows plausibility printable reading shown text_file units
-    whole_file written
-cases.motion: consensus cycle drifting_fit extremes first_mode half_cycle moving_mode number second_mode time_scale
-cases.running: display imported_modules in_process job key pieces records store workshop
+cases.files: case document errors force_table keys number_rows plausibility printable reading shown text_file units written
+cases.motion: cycle drifting_fit extremes first_mode half_cycle moving_mode number time_scale
+cases.running: display imported_modules job key records store workshop
 """
 #: Lines of the kernel at most, everything counted.
 LARGEST_KERNEL = 10_000

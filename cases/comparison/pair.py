@@ -19,7 +19,6 @@ from typing import Any, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.motion.consensus import consensus
 from quickreturn.cases.motion.cycle import EXTREMES, HALVES, VIBRATION, signals_by_half
 from quickreturn.cases.motion.marching import channels_of
 from quickreturn.cases.motion.number import (
@@ -28,6 +27,7 @@ from quickreturn.cases.motion.number import (
     TELLING_OF_FREQUENCIES,
     Number,
     Verdict,
+    consensus,
     or_nan,
 )
 from quickreturn.cases.motion.request import Run

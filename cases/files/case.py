@@ -5,8 +5,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
-from quickreturn.cases.files.copies import in_words, name_of_copy
-from quickreturn.cases.files.document import Document, check_mapping, header_of, read_document
+from quickreturn.cases.files.document import Document, check_mapping, header_of, in_words, name_of_copy, read_document
 from quickreturn.cases.files.errors import CaseError
 from quickreturn.cases.files.keys import PATHS, PLUS_MINUS, shown_value
 from quickreturn.cases.files.printable import Cell, Printable, Rows

@@ -5,8 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final, NamedTuple
 
-from quickreturn.cases.files.copies import with_changes
-from quickreturn.cases.files.document import Document, header_of
+from quickreturn.cases.files.document import Document, header_of, with_changes
 from quickreturn.cases.files.errors import CaseError, as_written, attempted, together
 from quickreturn.cases.files.keys import PATHS, PLUS_MINUS, SECTIONS, Written, dimension_of, toleranced, usual_unit, value_at
 from quickreturn.cases.files.plausibility import doubts

@@ -36,7 +36,6 @@ ONLY_TALK: Final = (
     "quickreturn.cases.running",
     "quickreturn.cases.files.printable",
     "quickreturn.cases.files.shown",
-    "quickreturn.cases.files.whole_file",
     "quickreturn.engines.progress",
 )
 

@@ -8,7 +8,7 @@ from quickreturn.reports.long_studies import about
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.part import Part
-from quickreturn.reports.tables.table import Cell, Column, Mark, Table
+from quickreturn.reports.tables import Cell, Column, Mark, Table
 from quickreturn.reports.words import TIED, counted, duration, listed, number, percent, percents, size
 
 #: The run that they are of.

@@ -9,8 +9,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Final
 
 from quickreturn.cases.running.display import answers
-from quickreturn.cases.running.in_process import ThisProcess
-from quickreturn.cases.running.job import Executor, Job
+from quickreturn.cases.running.job import Executor, Job, ThisProcess
 from quickreturn.engines.base import AnyEngine, Refusal
 from quickreturn.engines.registry import UnknownEngine
 from quickreturn.plugins.conform.behaviour import elsewhere, failures, repetition

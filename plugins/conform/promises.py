@@ -6,7 +6,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.simple import SimpleEngine, SimpleSettings

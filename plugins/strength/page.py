@@ -19,8 +19,7 @@ from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.first_screen import Figure, FirstScreen
 from quickreturn.reports.page.part import Part, nearness_of
-from quickreturn.reports.tables.cells import CASE
-from quickreturn.reports.tables.table import Cell, Column, ColumnList, Table
+from quickreturn.reports.tables import CASE, Cell, Column, ColumnList, Table
 from quickreturn.reports.words import degrees, listed, number, off_by, quantity, size
 
 #: Places along the arm at which its stress is drawn.

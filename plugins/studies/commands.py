@@ -181,7 +181,7 @@ def resonance(call: Call, speed: str | None, vary: str | None, measures: Sequenc
     """
     from quickreturn.descriptions import value_of
     from quickreturn.plugins.studies.public.resonance_curves import Resonance, speed_of
-    from quickreturn.plugins.studies.resonance_curve.range import SPEED, range_of
+    from quickreturn.plugins.studies.resonance_curve.curve import SPEED, range_of
     from quickreturn.plugins.studies.resonance_curve.search import USUAL, job
     from quickreturn.reports.drawing.style import picture
 

@@ -111,8 +111,8 @@ class Call:
 
     def case(self, name: str | None = None) -> "Case":
         """A case, or the only one, with the values, times and units of the options."""
-        from quickreturn.cases.files.case_file import load_case, with_times
         from quickreturn.cases.files.errors import CaseError, as_written
+        from quickreturn.cases.library import load_case, with_times
 
         for key, seconds in (("duration", self.duration), ("output_step", self.output_step)):
             if seconds is not None and f"simulation.{key}" in self.overrides:

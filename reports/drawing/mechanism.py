@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from scipy.interpolate import CubicSpline
 
 from quickreturn.cases.files.case import Case
-from quickreturn.cases.files.columns import UnknownColumn
+from quickreturn.cases.files.errors import UnknownColumn
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.columns import PLACES, SHAPE
 from quickreturn.reference_model.mechanism import Mechanism, Scene

@@ -11,8 +11,8 @@ from quickreturn.cases.comparison.pair import Kind
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.request import Run
 from quickreturn.engines.registry import MODEL
+from quickreturn.reports.engine_differences import Spread, differences, engines_of, spread
 from quickreturn.reports.page.content import Content
-from quickreturn.reports.results.engine_differences import Spread, differences, engines_of, spread
 from quickreturn.reports.words import percent, size
 
 #: Largest part of an engine's numbers that may differ by more than claimed if it is to count as agreeing.

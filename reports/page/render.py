@@ -18,7 +18,7 @@ from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.first_screen import Figure, agreement_screen
 from quickreturn.reports.page.part import nearness_of, parts
 from quickreturn.reports.page.view import View, cycles, shown_first, trajectories
-from quickreturn.reports.tables.table import csv_text
+from quickreturn.reports.tables import csv_text
 
 #: Parts of every page's script, in their order, and further parts for a page with chapters.
 SCRIPT: Final = ("unpack.js", "motion.js", "stage.js", "curve.js", "page.js", "paper.js")

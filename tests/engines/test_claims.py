@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.engines.accurate import Result, simulate
 from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.one_run import run_once

@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.engines.accurate import simulate
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import usable_engine

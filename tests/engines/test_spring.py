@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import quad
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.balances import Balances
 from quickreturn.engines.accurate import Result, simulate
 from quickreturn.engines.one_run import run_once

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.files.recorded import table_of
+from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.catalogue import MEASURES
 from quickreturn.cases.motion.measure import SettledMotion
 from quickreturn.cases.motion.request import RunRequest

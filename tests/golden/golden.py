@@ -19,8 +19,7 @@ import numpy as np
 import pandas as pd
 
 from quickreturn.cases.comparison.campaign import carry_out
-from quickreturn.cases.files.case_file import load_case
-from quickreturn.cases.library import case_names
+from quickreturn.cases.library import case_names, load_case
 from quickreturn.cases.motion.request import Run, RunRequest
 from quickreturn.cases.running.job import Job, Limits
 from quickreturn.cases.running.processes import LocalProcesses

@@ -12,7 +12,7 @@ from matplotlib.text import Annotation
 from PIL import Image
 
 import quickreturn as qr
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.engines.registry import engine
 from quickreturn.engines.scene import simulate_scene
 from quickreturn.engines.trajectory import Trajectory

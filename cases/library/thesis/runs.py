@@ -6,7 +6,7 @@ from typing import Final
 
 from quickreturn.cases.files.case import Case, case_of
 from quickreturn.cases.files.document import Document
-from quickreturn.cases.library.thesis.data import read_table, read_toml
+from quickreturn.cases.library.thesis import read_table, read_toml
 from quickreturn.reference_model.scene_values import changed_values
 
 TAG: Final = "thesis"

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import Engine
 from quickreturn.engines.own.beam_engine import BeamSettings

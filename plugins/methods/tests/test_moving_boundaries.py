@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.engines.base import EngineFailure, Refusal
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.own.simulation import OwnSimulation

@@ -8,8 +8,7 @@ from typing import Any
 import pytest
 
 from quickreturn.cases.files.case import Case
-from quickreturn.cases.files.case_file import load_case
-from quickreturn.cases.library import catalogue
+from quickreturn.cases.library import catalogue, load_case
 from quickreturn.cases.library.hard import TAG
 from quickreturn.cases.running.job import Limits
 from quickreturn.cases.running.processes import LocalProcesses

@@ -17,8 +17,7 @@ from quickreturn.computing import checked
 from quickreturn.dataset import dataset_file, table_file
 from quickreturn.plugins.studies.around import Around
 from quickreturn.plugins.studies.public.sweeping import ERROR
-from quickreturn.plugins.studies.resonance_curve.curve import ResonanceCurve
-from quickreturn.plugins.studies.resonance_curve.range import SPEED, range_of
+from quickreturn.plugins.studies.resonance_curve.curve import SPEED, ResonanceCurve, range_of
 from quickreturn.plugins.studies.resonance_curve.search import OF_CURVE, USUAL, resonance_curve
 from quickreturn.reports.output import require
 

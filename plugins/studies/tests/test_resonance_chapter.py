@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.files.shown import METRIC
+from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.catalogue import MEASURES
 from quickreturn.cases.running.job import Job, Limits, Outcome, Watch
 from quickreturn.cases.running.store import Store

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from matplotlib.patches import PathPatch
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.stability import UNSTABLE
 from quickreturn.plugins.studies.drawing.study import ENDINGS, draw, drawable

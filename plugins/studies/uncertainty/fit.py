@@ -8,7 +8,7 @@ import numpy as np
 from scipy import stats
 
 from quickreturn.cases.files.case import Case
-from quickreturn.cases.files.copies import LONGEST_NAME
+from quickreturn.cases.files.document import LONGEST_NAME
 from quickreturn.cases.files.keys import text_of, unit_given
 from quickreturn.cases.files.printable import Cell, Printable, Rows
 from quickreturn.plugins.studies.uncertainty.parameters import Parameter, changes

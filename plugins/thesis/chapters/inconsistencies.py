@@ -6,7 +6,7 @@ from quickreturn.cases.library.thesis.inconsistencies import Inconsistency, inco
 from quickreturn.cases.library.thesis.runs import RUNS
 from quickreturn.plugins.thesis.page_data import ThesisData
 from quickreturn.reports.page.chapter import Chapter
-from quickreturn.reports.tables.table import Column, Table
+from quickreturn.reports.tables import Column, Table
 from quickreturn.reports.words import counted
 
 

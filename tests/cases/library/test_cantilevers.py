@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_bvp
 from scipy.optimize import brentq
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.engines.accurate import Result
 from quickreturn.engines.registry import engine
 from quickreturn.engines.scene import simulate_scene

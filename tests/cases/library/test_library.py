@@ -6,9 +6,8 @@ import pytest
 
 from quickreturn.cases import library
 from quickreturn.cases.files.case import case_of, document_of, parse_case
-from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.files.errors import CaseError
-from quickreturn.cases.library import case_names, catalogue
+from quickreturn.cases.library import case_names, catalogue, load_case
 from quickreturn.cases.library.hard import IMPOSSIBLE, SCENES
 from quickreturn.cases.library.thesis.runs import run_name
 from tests.cases.files.scene_texts import SCENE

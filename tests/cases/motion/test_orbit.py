@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicHermiteSpline
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.orbit import Curve, Orbit, PeriodicStart, begins_in_orbit, cycles_needed, find_orbit, orbits
 from quickreturn.cases.motion.request import STANDARD, RunRequest

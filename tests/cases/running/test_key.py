@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.solving import frequencies_job
 from quickreturn.cases.running import imported_modules, key
 from quickreturn.cases.running.job import Job, Limits
@@ -103,7 +103,7 @@ def test_what_a_function_imports_counts_and_nothing_else(package: Path) -> None:
 
 #: Function of a stored job -> some of the modules that it uses, and some that it does not.
 USES = """
-plugins.studies.sweep.grid.measured_row: cases.files.document cases.files.copies cases.files.units cases.files.reading
+plugins.studies.sweep.grid.measured_row: cases.files.document cases.files.document cases.files.units cases.files.reading
     cases.motion.catalogue cases.motion.steady_state plugins.strength.measures plugins.strength.stress,
     not plugins.studies.sweep.study cases.comparison.engines
 plugins.conform.contract.conform: plugins.conform.quantities plugins.conform.rods, not cases.comparison.engines
@@ -111,7 +111,7 @@ cases.motion.steady_state.steady_state: cases.motion.drifting_fit cases.motion.m
     not cases.comparison.engines plugins.strength.words cases.comparison.causes plugins.studies.sweep.rows
 cases.motion.orbit.find_orbit: cases.motion.orbit, not cases.comparison.engines
 cases.motion.solving.answer_to: cases.motion.solving, not cases.files.document cases.motion.steady_state plugins.strength.measures
-plugins.studies.resonance_curve.search.resonance_curve: cases.files.copies cases.files.reading plugins.strength.peak,
+plugins.studies.resonance_curve.search.resonance_curve: cases.files.document cases.files.reading plugins.strength.peak,
     not cases.comparison.engines
 plugins.methods.race.raced: plugins.methods.search plugins.methods.asked plugins.methods.truth, not plugins.methods.studies
 plugins.methods.truth.truth_of: plugins.methods.truth plugins.methods.row, not plugins.methods.search cases.comparison.engines

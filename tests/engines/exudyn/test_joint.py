@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.engines import accurate
 from quickreturn.engines.base import Refusal
 from quickreturn.engines.error_parts import ESTIMATED

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.engines import accurate
 from quickreturn.engines.base import Comparison
 from quickreturn.engines.error_parts import TIP, Compared, parts_of

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.cases.running.job import Limits
 from quickreturn.cases.running.processes import LocalProcesses
 from quickreturn.cases.running.store import Store

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from quickreturn import record as recording
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.cases.running.job import Outcome
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop

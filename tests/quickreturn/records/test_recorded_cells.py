@@ -12,7 +12,7 @@ from typing import Any, Final
 
 import pytest
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.cases.library.thesis.runs import RUNS, run_case
 from quickreturn.cases.motion.orbit import orbits
 from quickreturn.cases.running.processes import LocalProcesses

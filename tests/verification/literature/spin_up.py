@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.engines.accurate import Result
 from quickreturn.engines.registry import engine
 from quickreturn.engines.scene import simulate_scene

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from quickreturn.cases.files.case import Case
-from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.files.errors import CaseError
 from quickreturn.cases.files.keys import text_of
 from quickreturn.cases.files.recorded import RecordedTable, table_of
+from quickreturn.cases.library import load_case
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceSettings
 from quickreturn.engines.registry import engine

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.files.errors import CaseError
+from quickreturn.cases.library import load_case
+from quickreturn.plugins.studies.public.uncertainty import Points, planned
 from quickreturn.plugins.studies.sweep.rows import MeasureRequest
 from quickreturn.plugins.studies.uncertainty.chaos import powers_up_to
-from quickreturn.plugins.studies.uncertainty.propagation import Points, planned
 from quickreturn.plugins.studies.uncertainty.scatter import Scatter, quantiles
 
 ASKED = MeasureRequest(measures=("peak.strain_2",), claims=False)
