@@ -34,8 +34,7 @@ from quickreturn.engines.error_parts import (
     starts_suddenly,
     total,
 )
-from quickreturn.engines.one_run import CompletedRun, Remembered, compile_seconds, run_once
-from quickreturn.engines.one_thread import on_one_thread
+from quickreturn.engines.one_run import CompletedRun, Remembered, compile_seconds, on_one_thread, run_once
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start
 from quickreturn.engines.trajectory import FollowerTrajectory, Trajectory, rms

@@ -34,13 +34,13 @@ from quickreturn.plugins.methods.advice import Advice as Advice
 from quickreturn.plugins.methods.advice import advise as advise
 from quickreturn.plugins.strength.turn import Explanation as Explanation
 from quickreturn.plugins.strength.turn import explain as explain
-from quickreturn.plugins.studies.public.calibration import calibrate as calibrate
 from quickreturn.plugins.studies.public.resonance_curves import Resonance as Resonance
 from quickreturn.plugins.studies.public.resonance_curves import resonance as resonance
 from quickreturn.plugins.studies.public.sweeping import case_at as case_at
 from quickreturn.plugins.studies.public.sweeping import measures as measures
 from quickreturn.plugins.studies.public.sweeping import sweep as sweep
 from quickreturn.plugins.studies.public.uncertainty import uncertainty as uncertainty
+from quickreturn.plugins.studies.uncertainty.calibration import calibrate as calibrate
 from quickreturn.solution import Solution as Solution
 from quickreturn.solution import modes as modes
 from quickreturn.solution import simulate as simulate

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.document import check_mapping
 from quickreturn.cases.files.errors import CaseError, as_written, shortened
-from quickreturn.cases.files.printable import Cell, Printable, Rows
+from quickreturn.cases.files.shown import Cell, Printable, Rows
 from quickreturn.cases.library import CatalogueLine, case_names, catalogue, load_case, with_times
 from quickreturn.engines.base import AnyEngine, Engine
 from quickreturn.engines.registry import MAIN, UnknownEngine, engine, is_foreign

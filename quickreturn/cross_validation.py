@@ -10,7 +10,7 @@ from quickreturn.cases.comparison.campaign import cross_validate
 from quickreturn.cases.comparison.engines import CaseResult
 from quickreturn.cases.comparison.pair import Difference
 from quickreturn.cases.files.errors import as_written, known_column, nearest_or_all
-from quickreturn.cases.files.printable import Cell, Printable
+from quickreturn.cases.files.shown import Cell, Printable
 from quickreturn.cases.motion.catalogue import MEASURES, numbers
 from quickreturn.cases.motion.cycle import EXTREMES, VIBRATION
 from quickreturn.cases.motion.request import Run

@@ -12,8 +12,8 @@ from typing import Any
 from quickreturn.arguments import Listing
 from quickreturn.cases.running.display import answers
 from quickreturn.cases.running.fork_server import DESCRIBING
+from quickreturn.cases.running.isolation import LocalProcesses
 from quickreturn.cases.running.job import Job, Limits, Outcome, T, done
-from quickreturn.cases.running.processes import LocalProcesses
 from quickreturn.engines.base import EngineFailure, ModelDescription, Refusal
 from quickreturn.engines.registry import UnknownEngine, engine, engine_names, own_engines, usable_engine
 from quickreturn.engines.scene import describe_scene

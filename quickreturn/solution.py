@@ -14,7 +14,7 @@ import numpy as np
 from quickreturn.arguments import AnyCase, engine_given, one_case
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.errors import known_column
-from quickreturn.cases.files.printable import Cell, Printable, Rows
+from quickreturn.cases.files.shown import Cell, Printable, Rows
 from quickreturn.cases.motion.solving import Answer, TrajectoryRequest, frequencies_job
 from quickreturn.cases.running.display import compilation_announced
 from quickreturn.cases.running.job import Job, T, ThisProcess
@@ -157,7 +157,7 @@ class Solution(Printable):
             UnknownColumn: the engine does not give the follower's shape.
             CaseError: a page was asked for, and the case has no crank.
         """
-        from quickreturn.reports.drawing.animation import moving
+        from quickreturn.reports.drawing.mechanism import moving
 
         place = Path(path)
         check_writable(place, "", ".webp", ".html")

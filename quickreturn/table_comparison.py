@@ -18,8 +18,8 @@ from quickreturn.cases.comparison.pair import Difference
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.errors import CaseError
 from quickreturn.cases.files.number_rows import PLAIN, Form
-from quickreturn.cases.files.printable import Cell, Printable, Rows
 from quickreturn.cases.files.recorded import RecordedTable, read_table, table_of
+from quickreturn.cases.files.shown import Cell, Printable, Rows
 from quickreturn.cases.motion.number import SAYS_NOTHING
 from quickreturn.cases.motion.request import NOTHING, Run
 from quickreturn.cases.running.job import Job

@@ -9,7 +9,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Final
 
-from quickreturn.cases.running.processes import available_cores
+from quickreturn.cases.running.isolation import available_cores
 
 #: Packages whose versions the report names besides those of the engines.
 PACKAGES: Final = ("quickreturn", "numpy", "scipy", "numba", "pandas", "matplotlib", "pint")

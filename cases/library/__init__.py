@@ -17,8 +17,7 @@ from typing import Final
 from quickreturn.cases.files.case import Case, case_of
 from quickreturn.cases.files.document import Document, header_of, read_document
 from quickreturn.cases.files.errors import CaseError, as_written, nearest, path_shown
-from quickreturn.cases.files.plausibility import doubts
-from quickreturn.cases.files.reading import misfit
+from quickreturn.cases.files.reading import doubts, misfit
 from quickreturn.cases.files.text_file import read_text, similar_file
 from quickreturn.cases.library import hard
 from quickreturn.cases.library.thesis.inconsistencies import inconsistencies

@@ -12,7 +12,7 @@ from quickreturn.cases.running.records import can_be_stored
 from quickreturn.engines import progress
 from quickreturn.engines.accurate import Result
 from quickreturn.engines.base import AnyEngine, EngineFailure
-from quickreturn.engines.natural_frequencies import natural_frequencies
+from quickreturn.engines.one_run import natural_frequencies
 from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.scene import simulate_scene
 from quickreturn.reference_model.mechanism import Mechanism, Scene
@@ -97,7 +97,7 @@ def frequencies_job(
 def frequencies_at(
     mechanism: Mechanism, engine: str | AnyEngine, crank_angles: Sequence[float], count: int, settings: Mapping[str, str]
 ) -> Frequencies:
-    """See `frequencies_job`. Raises UnknownEngine, Refusal, SettingError, and EngineFailure as `engines.natural_frequencies`."""
+    """See `frequencies_job`. Raises UnknownEngine, Refusal, SettingError, and EngineFailure as `engines.one_run`."""
     chosen = usable_engine(engine) if isinstance(engine, str) else engine
     chosen.check(mechanism)
     used = chosen.settings_for(chosen.default_accuracy, mechanism).with_texts(dict(settings))

@@ -34,7 +34,7 @@ _MEASURES: Final = "quickreturn.cases.motion.of_turn"
 #: Packages and modules that start jobs, write files, or show results and progress: no result depends on them.
 ONLY_TALK: Final = (
     "quickreturn.cases.running",
-    "quickreturn.cases.files.printable",
+    "quickreturn.cases.files.shown",
     "quickreturn.cases.files.shown",
     "quickreturn.engines.progress",
 )

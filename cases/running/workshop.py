@@ -18,7 +18,7 @@ from quickreturn.cases.running.store import Record, Store
 
 def _processes() -> Executor:
     """Processes of this machine, imported on first use, so that a notebook need not wait."""
-    from quickreturn.cases.running.processes import LocalProcesses
+    from quickreturn.cases.running.isolation import LocalProcesses
 
     return LocalProcesses()
 

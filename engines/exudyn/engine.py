@@ -108,8 +108,7 @@ class ExudynEngine(Engine[ExudynSettings]):
         """Build the system in the state `start`; see `Engine.prepare`."""
         self._check(scene, settings)
         from quickreturn.engines.exudyn.models import model_of
-        from quickreturn.engines.exudyn.simulation import ExudynSimulation
-        from quickreturn.engines.exudyn.table import ExtrapolatedSimulation, PassingSimulation
+        from quickreturn.engines.exudyn.simulation import ExtrapolatedSimulation, ExudynSimulation, PassingSimulation
 
         units = Units.of(scene)
         if settings.joint == ladder.SLIDING:

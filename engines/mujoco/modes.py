@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from quickreturn.engines.mujoco import chain
 from quickreturn.engines.mujoco.centre_line import centre_line_coefficients
-from quickreturn.engines.mujoco.description import hinge_count
+from quickreturn.engines.mujoco.settings import hinge_count
 from quickreturn.engines.units import Units
 from quickreturn.reference_model.eigenproblem import eigh
 from quickreturn.reference_model.mechanism import Mechanism, Scene

@@ -14,9 +14,8 @@ from numpy.typing import NDArray
 from quickreturn.engines.base import EngineFailure, Simulation
 from quickreturn.engines.mujoco import chain, modes, time_loop
 from quickreturn.engines.mujoco.context import CONTEXT
-from quickreturn.engines.mujoco.description import hinge_count
 from quickreturn.engines.mujoco.hook import control_hook
-from quickreturn.engines.mujoco.settings import ChainSettings
+from quickreturn.engines.mujoco.settings import ChainSettings, hinge_count
 from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import reconstruct
 from quickreturn.engines.trajectory import Trajectory, trajectory_type

@@ -13,8 +13,8 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from quickreturn.cases.running.display import answers
+from quickreturn.cases.running.isolation import LocalProcesses
 from quickreturn.cases.running.job import Job
-from quickreturn.cases.running.processes import LocalProcesses
 from quickreturn.engines.base import AnyEngine, EngineFailure
 from quickreturn.engines.own.reference import ReferenceEngine
 from quickreturn.engines.start import Start, standard_start

@@ -9,7 +9,7 @@ from typing import Any, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.files.printable import Cell, Printable, Rows
+from quickreturn.cases.files.shown import Cell, Printable, Rows
 from quickreturn.engines import progress
 from quickreturn.engines.base import AnyEngine, Engine, EngineFailure, Refusal, first_line
 from quickreturn.engines.error_parts import compared

@@ -15,7 +15,7 @@ import numpy as np
 from quickreturn.arguments import AnyCase, one_case
 from quickreturn.cases.comparison.engines import REFERENCE, CaseResult
 from quickreturn.cases.files.case import Case
-from quickreturn.cases.files.printable import Cell, Printable
+from quickreturn.cases.files.shown import Cell, Printable
 from quickreturn.cases.motion.catalogue import MEASURES
 from quickreturn.cases.motion.cycle import HALVES
 from quickreturn.cases.motion.endings import Ending

@@ -15,7 +15,7 @@ from quickreturn.cases.files.case import Case, written_document
 from quickreturn.cases.files.document import NAME
 from quickreturn.cases.files.errors import CaseError, path_shown
 from quickreturn.cases.files.keys import PATHS, SECTIONS, shown_value, unit_given
-from quickreturn.cases.files.plausibility import doubts
+from quickreturn.cases.files.reading import doubts
 from quickreturn.cases.files.shown import Unit
 from quickreturn.cases.files.written import as_toml
 from quickreturn.cases.library import in_library

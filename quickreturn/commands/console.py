@@ -186,7 +186,7 @@ def write(file: str | None, content: Callable[[str], bytes]) -> None:
 
 def tell_doubts(cases: "Sequence[Case]") -> None:
     """Name doubtful values of the user's own cases on standard error, each doubt once; values of the library are intended."""
-    from quickreturn.cases.files.plausibility import doubts
+    from quickreturn.cases.files.reading import doubts
 
     concerned: dict[str, list[str]] = {}
     for case in cases:

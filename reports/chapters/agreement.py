@@ -13,9 +13,9 @@ from quickreturn.cases.comparison.pair import KINDS, WAVEFORM, Difference, Kind
 from quickreturn.cases.motion.cycle import EXTREMES
 from quickreturn.cases.motion.number import SAYS_NOTHING, or_nan
 from quickreturn.reports.engine_differences import cause, differences, engines_of, outward, used_along
-from quickreturn.reports.page.answer import answer_of
 from quickreturn.reports.page.chapter import Chapter, Plot, Series
 from quickreturn.reports.page.content import Content
+from quickreturn.reports.page.first_screen import answer_of
 from quickreturn.reports.page.view import shown_first
 from quickreturn.reports.tables import COMPARISON, QUANTITY_COLUMN, UNRESOLVABLE, Cell, Column, Mark, Table, compared
 from quickreturn.reports.words import QUANTITY, case_label, counted, in_words, listed, number, place, size

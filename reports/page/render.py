@@ -12,10 +12,9 @@ from quickreturn.cases.files.case import Case
 from quickreturn.cases.motion.cycle import HALVES
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reports import words
-from quickreturn.reports.page.answer import answer_of
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
-from quickreturn.reports.page.first_screen import Figure, agreement_screen
+from quickreturn.reports.page.first_screen import Figure, agreement_screen, answer_of
 from quickreturn.reports.page.part import nearness_of, parts
 from quickreturn.reports.page.view import View, cycles, shown_first, trajectories
 from quickreturn.reports.tables import csv_text

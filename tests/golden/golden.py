@@ -21,8 +21,8 @@ import pandas as pd
 from quickreturn.cases.comparison.campaign import carry_out
 from quickreturn.cases.library import case_names, load_case
 from quickreturn.cases.motion.request import Run, RunRequest
+from quickreturn.cases.running.isolation import LocalProcesses
 from quickreturn.cases.running.job import Job, Limits
-from quickreturn.cases.running.processes import LocalProcesses
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.base import EngineFailure, Refusal

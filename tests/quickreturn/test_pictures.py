@@ -18,8 +18,7 @@ from quickreturn.engines.scene import simulate_scene
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.columns import SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
-from quickreturn.reports.drawing.animation import FRAMES, last_turn, moving
-from quickreturn.reports.drawing.mechanism import LARGEST, POINTS, factor_for, mechanisms, positions_of, unbent
+from quickreturn.reports.drawing.mechanism import FRAMES, LARGEST, POINTS, factor_for, last_turn, mechanisms, moving, positions_of, unbent
 from quickreturn.reports.output import OutputError
 from tests.quickreturn.conftest import Call
 from tests.quickreturn.scene_file import SCENE
@@ -99,7 +98,7 @@ def test_a_trajectory_that_does_not_tell_its_shape_is_refused(trajectory: Trajec
 @pytest.fixture
 def few_frames(monkeypatch: pytest.MonkeyPatch) -> None:
     """A turn in few pictures: each takes some hundredths of a second."""
-    monkeypatch.setattr("quickreturn.reports.drawing.animation.FRAMES", 6)
+    monkeypatch.setattr("quickreturn.reports.drawing.mechanism.FRAMES", 6)
 
 
 @pytest.mark.usefixtures("few_frames")

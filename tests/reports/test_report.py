@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from quickreturn.cases.library import load_case
+from quickreturn.cases.running.isolation import LocalProcesses
 from quickreturn.cases.running.key import code_fingerprint
-from quickreturn.cases.running.processes import LocalProcesses
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.plugins.conform.records import verdicts

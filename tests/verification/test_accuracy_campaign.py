@@ -11,8 +11,8 @@ import pytest
 
 import tests.verification.accuracy_campaign
 from quickreturn.cases.library import case_names
+from quickreturn.cases.running.isolation import LocalProcesses
 from quickreturn.cases.running.job import Job, Outcome
-from quickreturn.cases.running.processes import LocalProcesses
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.base import Refusal

@@ -10,8 +10,7 @@ from quickreturn.arguments import AnyCase, one_case
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.errors import CaseError, as_written, texts_given
 from quickreturn.cases.files.keys import PATHS, si_value
-from quickreturn.cases.files.printable import Cell, Printable, Rows
-from quickreturn.cases.files.shown import Unit
+from quickreturn.cases.files.shown import Cell, Printable, Rows, Unit
 from quickreturn.cases.running.display import compilation_announced
 from quickreturn.computing import checked
 from quickreturn.dataset import dataset_file, table_file

@@ -29,8 +29,11 @@ from quickreturn.plugins.studies.resonance_curve.curve import (
     ResonanceCurve,
     ResonancePeak,
     SpecialPoint,
+    claims_on,
+    driven,
+    numbers_of,
+    topped,
 )
-from quickreturn.plugins.studies.resonance_curve.measuring import claims_on, driven, numbers_of, topped
 from quickreturn.reference_model.columns import OBSERVED
 from quickreturn.reference_model.cycles.continuation import FIRST_STEP, MOST_POINTS, Branch, Ending, Stretch, enough, stretch, turned
 from quickreturn.reference_model.cycles.cycle_family import CycleFamily

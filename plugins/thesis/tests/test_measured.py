@@ -9,9 +9,9 @@ from quickreturn.cases.motion.number import Consensus
 from quickreturn.cases.motion.time_scale import CHANNELS
 from quickreturn.plugins.thesis.axes import AxisComparison, axis_comparisons, fits_worse, measured_alone, misfit
 from quickreturn.plugins.thesis.page_data import statement_values
-from quickreturn.reports.page.answer import answer_of
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.content import MeasuredHalf, measured_halves
+from quickreturn.reports.page.first_screen import answer_of
 from tests.changed_run import changed_run
 from tests.reports.pages import content_of
 from tests.reports.plotted_results import with_table

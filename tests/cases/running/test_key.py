@@ -111,7 +111,7 @@ cases.motion.steady_state.steady_state: cases.motion.drifting_fit cases.motion.m
     not cases.comparison.engines plugins.strength.words cases.comparison.causes plugins.studies.sweep.rows
 cases.motion.orbit.find_orbit: cases.motion.orbit, not cases.comparison.engines
 cases.motion.solving.answer_to: cases.motion.solving, not cases.files.document cases.motion.steady_state plugins.strength.measures
-plugins.studies.resonance_curve.search.resonance_curve: cases.files.document cases.files.reading plugins.strength.peak,
+plugins.studies.resonance_curve.search.resonance_curve: cases.files.document cases.files.reading cases.motion.extremes,
     not cases.comparison.engines
 plugins.methods.race.raced: plugins.methods.search plugins.methods.asked plugins.methods.truth, not plugins.methods.studies
 plugins.methods.truth.truth_of: plugins.methods.truth plugins.methods.row, not plugins.methods.search cases.comparison.engines
@@ -129,7 +129,7 @@ def test_the_key_of_a_stored_job_has_what_it_uses_and_not_what_only_talks(line: 
     assert {f"quickreturn.{each}" for each in used} <= sources.keys()
     assert {"quickreturn.reference_model.model", "quickreturn.engines.own.reference", "quickreturn.cases.running.records"} <= sources.keys()
     assert not {f"quickreturn.{each}" for each in others} & sources.keys()
-    assert not {"quickreturn.cases.running.display", "quickreturn.engines.progress", "quickreturn.cases.files.printable"} & sources.keys()
+    assert not {"quickreturn.cases.running.display", "quickreturn.engines.progress", "quickreturn.cases.files.shown"} & sources.keys()
 
 
 RUNNING = """

@@ -15,7 +15,7 @@ import pytest
 from quickreturn.cases.library import load_case
 from quickreturn.cases.library.thesis.runs import RUNS, run_case
 from quickreturn.cases.motion.orbit import orbits
-from quickreturn.cases.running.processes import LocalProcesses
+from quickreturn.cases.running.isolation import LocalProcesses
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.one_run import CompletedRun

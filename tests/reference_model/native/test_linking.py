@@ -13,7 +13,7 @@ import numba
 import numpy as np
 import pytest
 
-from quickreturn.reference_model.native import linking
+from quickreturn.reference_model.native import kept as linking
 from quickreturn.reference_model.native.compilation import FASTMATH, jitted
 from tests.package_copy import copied_package
 

@@ -28,7 +28,7 @@ turn.give_back()
 COMPILES = """
 import sys, time
 sys.path.insert(0, sys.argv[1])
-from quickreturn.reference_model.native import linking
+from quickreturn.reference_model.native import kept as linking
 from quickreturn.reference_model.native.compilation import compiled
 made = []
 compile_extra = linking.OwnCompiler.compile_extra
