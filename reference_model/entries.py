@@ -21,7 +21,7 @@ WEIGHED: Final = Entry("quickreturn.reference_model.motion.linearisation:weigh",
 IMPLICIT_LOOP: Final = Entry("quickreturn.reference_model.radau_loop:loop", "i")
 #: The explicit integrator, and its steps in the crank angle.
 LOOP: Final = Entry("quickreturn.reference_model.dop853_loop:loop", 6 * "i" + "fiii" + "fff" + "iiii")
-STEPS: Final = Entry("quickreturn.reference_model.crank_angle_steps:steps_to", 5 * "i" + "fii")
+STEPS: Final = Entry("quickreturn.reference_model.dop853_loop:steps_to", 5 * "i" + "fii")
 
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as folder:

@@ -12,8 +12,7 @@ from quickreturn.reference_model.beam import tables as beam
 from quickreturn.reference_model.columns import NUMBERS, recorded_columns
 from quickreturn.reference_model.constants import characteristic_frequency, crank_speed_scale, pace
 from quickreturn.reference_model.entries import KERNEL, LINEARISED, OBSERVATIONS, WEIGHED
-from quickreturn.reference_model.implicit import Linearisation, radau
-from quickreturn.reference_model.integrate import Equations, Integration, dop853
+from quickreturn.reference_model.integrate import Equations, Integration, Linearisation, dop853, radau
 from quickreturn.reference_model.joint import BASE, CLOSED, ELIMINATED, ROLLERS, SliderConstraint
 from quickreturn.reference_model.mechanism import FollowerAlone, Scene
 from quickreturn.reference_model.motion.layout import BeamParameters, ShapeRow, state_size, workspace

@@ -18,8 +18,7 @@ from quickreturn.reference_model.native.memory import Placed
 from quickreturn.reference_model.shapes import ShapeSet
 from quickreturn.reference_model.state import State
 from quickreturn.reference_model.thesis.equations import base_right_hand_side, right_hand_side
-from quickreturn.reference_model.thesis.parameters import build_parameters, build_workspace, state_size
-from quickreturn.reference_model.thesis.tables import POINTS, build_tables
+from quickreturn.reference_model.thesis.parameters import POINTS, build_parameters, build_tables, build_workspace, state_size
 
 Array = NDArray[np.float64]
 

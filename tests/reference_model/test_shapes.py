@@ -8,8 +8,8 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from quickreturn.reference_model.shapes import ShapeSet, clamped_free_modes, decoupled, hermite_between, hermite_elements, no_shapes
-from quickreturn.reference_model.thesis import tables
-from quickreturn.reference_model.thesis.tables import POINTS, TO_POINTS, UNIT_POINTS, UNIT_WEIGHTS, build_tables
+from quickreturn.reference_model.thesis import parameters as tables
+from quickreturn.reference_model.thesis.parameters import POINTS, TO_POINTS, UNIT_POINTS, UNIT_WEIGHTS, build_tables
 
 L = 0.7
 
