@@ -18,7 +18,7 @@ from typing import Final
 
 import pytest
 
-from quickreturn.cases.running.imported_modules import imported_modules, source_of
+from quickreturn.cases.running.key import imported_modules, source_of
 from quickreturn.cases.running.store import Store, write_atomically
 
 ROOT: Final = Path(__file__).resolve().parents[1]

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 import quickreturn
-from quickreturn.cases.running.imported_modules import modules_in
+from quickreturn.cases.running.key import modules_in
 
 ROOT = Path(__file__).resolve().parents[1]
 #: From bottom to top; what stands in `quickreturn` itself is above them all.
@@ -37,7 +37,7 @@ engines: accurate base error_parts ladder one_run plugins progress refusals regi
     trajectory
 cases.files: case document errors force_table keys number_rows reading shown text_file units written
 cases.motion: cycle drifting_fit extremes first_mode half_cycle moving_mode number time_scale
-cases.running: display imported_modules job key records store workshop
+cases.running: display job key records store workshop
 """
 #: Lines of the kernel at most, everything counted.
 LARGEST_KERNEL = 10_000

@@ -20,8 +20,8 @@ from quickreturn.cases.files.errors import CaseError, as_written, nearest, path_
 from quickreturn.cases.files.reading import doubts, misfit
 from quickreturn.cases.files.text_file import read_text, similar_file
 from quickreturn.cases.library import hard
+from quickreturn.cases.library.thesis import RUNS, TAG, run_document, run_name, run_title
 from quickreturn.cases.library.thesis.inconsistencies import inconsistencies
-from quickreturn.cases.library.thesis.runs import RUNS, TAG, run_document, run_name, run_title
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -126,11 +126,11 @@ class ExudynEngine(Engine[ExudynSettings]):
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ExudynSettings) -> NDArray[np.float64]:
         """Frozen-crank frequencies in Hz; none for a rigid follower on a rigid joint. See `Engine.natural_frequencies`."""
         self.check(mechanism)
-        from quickreturn.engines.exudyn import modes
+        from quickreturn.engines.exudyn.models import natural_frequencies
 
         units = Units.of(mechanism)
         elements = max(settings.elements, ELEMENTS_OF_MODES)
-        return modes.natural_frequencies(units.scene(mechanism), crank_angle, count, elements) / units.time
+        return natural_frequencies(units.scene(mechanism), crank_angle, count, elements) / units.time
 
 
 class _SlidingJoint(ExudynEngine):

@@ -97,9 +97,9 @@ class MujocoEngine(Engine[ChainSettings]):
 
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ChainSettings) -> NDArray[np.float64]:
         self.check(mechanism)
-        from quickreturn.engines.mujoco import modes
+        from quickreturn.engines.mujoco.chain import natural_frequencies
 
-        return modes.natural_frequencies(mechanism, crank_angle, count, settings.links)
+        return natural_frequencies(mechanism, crank_angle, count, settings.links)
 
 
 def _without_common_divisor(least: float, number: int) -> int:

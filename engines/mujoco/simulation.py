@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.engines.base import EngineFailure, Simulation
-from quickreturn.engines.mujoco import chain, modes, time_loop
+from quickreturn.engines.mujoco import chain, time_loop
+from quickreturn.engines.mujoco.chain import stable_step
 from quickreturn.engines.mujoco.context import CONTEXT
 from quickreturn.engines.mujoco.hook import control_hook
 from quickreturn.engines.mujoco.settings import ChainSettings, hinge_count
@@ -56,7 +57,7 @@ class ChainSimulation(Simulation):
         self._past = np.zeros((2, self._model.nv))
         self._data.userdata[0] = self._context.ctypes.data
         self._gauges = np.array(scene.follower.strain_gauges)
-        self._relative_step, self._stable_step = settings.step, modes.stable_step(self._model, scene, self._hinges)
+        self._relative_step, self._stable_step = settings.step, stable_step(self._model, scene, self._hinges)
         if start is not None:
             self._place(self._units.start(start))
         self.setup_seconds = time.perf_counter() - began

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from quickreturn.cases.comparison.engines import REFERENCE, CaseResult
-from quickreturn.cases.library.thesis.runs import RUNS, run_name
+from quickreturn.cases.library.thesis import RUNS, run_name
 from quickreturn.engines.registry import MODEL
 from quickreturn.plugins.thesis.experiment import AxisLabels, axis_labels
 from quickreturn.reports.page.content import of_library

@@ -10,15 +10,15 @@ from quickreturn.cases.comparison.engines import CaseResult
 from quickreturn.cases.files.recorded import RecordedTable
 from quickreturn.cases.files.units import in_si
 from quickreturn.cases.library.hard import ORIGINAL
+from quickreturn.cases.library.thesis import RUNS, run_name
 from quickreturn.cases.library.thesis.inconsistencies import inconsistencies
-from quickreturn.cases.library.thesis.runs import RUNS, run_name
 from quickreturn.cases.motion.cycle import HALVES, consensus_of
 from quickreturn.cases.running.job import Job
 from quickreturn.engines.registry import MODEL
 from quickreturn.plugins.thesis import records
 from quickreturn.plugins.thesis.axes import axis_comparisons, fits_worse, thesis_runs
 from quickreturn.plugins.thesis.experiment import channel_is_usable, experiment_tables
-from quickreturn.plugins.thesis.inference.confirmation import Confirmation
+from quickreturn.plugins.thesis.inference.study import Confirmation
 from quickreturn.plugins.thesis.inference.tables import headline
 from quickreturn.plugins.thesis.inference.weights import Inference, infer
 from quickreturn.plugins.thesis.sharpness import Planted, found_words

@@ -14,7 +14,7 @@ from quickreturn.cases.comparison.engines import CaseResult
 from quickreturn.cases.comparison.pair import Difference
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.library import library_case
-from quickreturn.cases.library.thesis.runs import run_name
+from quickreturn.cases.library.thesis import run_name
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.request import Run
 from quickreturn.cases.running.isolation import STOPPED, LocalProcesses

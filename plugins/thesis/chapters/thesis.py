@@ -9,7 +9,7 @@ import numpy as np
 
 from quickreturn.cases.comparison.engines import CaseResult
 from quickreturn.cases.comparison.pair import Difference, Kind
-from quickreturn.cases.library.thesis.runs import run_case
+from quickreturn.cases.library.thesis import run_case
 from quickreturn.cases.motion.cycle import HALVES
 from quickreturn.cases.motion.time_scale import CHANNELS
 from quickreturn.engines.registry import MODEL

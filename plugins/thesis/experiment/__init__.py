@@ -13,8 +13,7 @@ from quickreturn.cases.files import recorded
 from quickreturn.cases.files.errors import CaseError, path_shown
 from quickreturn.cases.files.recorded import DECLARATIONS, RecordedTable
 from quickreturn.cases.files.units import in_si
-from quickreturn.cases.library.thesis import read_table, read_toml
-from quickreturn.cases.library.thesis.runs import RUNS, run_case
+from quickreturn.cases.library.thesis import RUNS, read_table, read_toml, run_case
 
 #: Young's modulus of common wrought aluminium alloys, Pa: 6061 and 2024, 10.0 and 10.6 million psi.
 ALUMINIUM: Final = (10.0e6 * in_si("psi"), 10.6e6 * in_si("psi"))

@@ -2,5 +2,5 @@
 
 `unknowns` are what the thesis leaves open, `response` brings a machine to its steady cycles and reads them, `study` computes the machines,
 `emulator` interpolates between them, `words` are what the thesis says, `weights` infer, with what frozen modes of run 24 say, and
-`confirmation` has two engines compute the likeliest machines.
+the study also has two engines compute the likeliest machines.
 """

@@ -12,7 +12,7 @@ from scipy.interpolate import RegularGridInterpolator
 from scipy.linalg import eigh
 from scipy.stats import qmc
 
-from quickreturn.cases.library.thesis.runs import run_case
+from quickreturn.cases.library.thesis import run_case
 from quickreturn.plugins.thesis.inference import words as spoken
 from quickreturn.plugins.thesis.inference.emulator import Emulated, Emulator, features
 from quickreturn.plugins.thesis.inference.study import EXAMPLE, RUNS, Row

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from quickreturn.cases.library.thesis.runs import RUNS
+from quickreturn.cases.library.thesis import RUNS
 from quickreturn.cases.motion.time_scale import CHANNELS
 from quickreturn.cases.running.job import ThisProcess
 from quickreturn.cases.running.store import Store

@@ -45,7 +45,7 @@ def test_folders_where_the_user_stands_are_not_taken_for_packages(tmp_path: Path
             from quickreturn.cases.running.job import Job
             from quickreturn.cases.running.isolation import LocalProcesses
             if __name__ == "__main__":
-                job = Job("job", pkgutil.resolve_name, ("quickreturn.cases.library.thesis.runs:run_name",))
+                job = Job("job", pkgutil.resolve_name, ("quickreturn.cases.library.thesis:run_name",))
                 (outcome,) = LocalProcesses(preload={PRELOAD!r}).run([job])
                 print(outcome.failure or outcome.value(24))
             """

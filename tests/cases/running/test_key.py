@@ -16,7 +16,7 @@ import pytest
 
 from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.solving import frequencies_job
-from quickreturn.cases.running import imported_modules, key
+from quickreturn.cases.running import key
 from quickreturn.cases.running.job import Job, Limits
 from quickreturn.cases.running.key import ONLY_TALK, code_fingerprint, code_of, hash_of, key_of, sources_of
 from quickreturn.engines.plugins import plugins
@@ -85,8 +85,8 @@ def test_own_code_of_a_third_party_engine_counts() -> None:
 def function_in(module: str) -> Any:
     """A function of a module, read anew."""
     key._hash_of_module.cache_clear()
-    imported_modules._imports.cache_clear()
-    imported_modules.text_of.cache_clear()
+    key._imports.cache_clear()
+    key.text_of.cache_clear()
     return SimpleNamespace(__module__=module)
 
 

@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from quickreturn.cases.running.imported_modules import modules_in
+from quickreturn.cases.running.key import modules_in
 from tests.package_copy import ROOT, copied_package
 
 PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH = 24, 1, 2

@@ -5,7 +5,7 @@ import pytest
 from quickreturn.plugins.thesis.chapters.thesis import finding
 from quickreturn.plugins.thesis.experiment import below_aluminium
 from quickreturn.plugins.thesis.inference import tables
-from quickreturn.plugins.thesis.inference.confirmation import RUNS, Confirmation
+from quickreturn.plugins.thesis.inference.study import RUNS, Confirmation
 from quickreturn.plugins.thesis.inference.unknowns import PRINTED
 from quickreturn.plugins.thesis.inference.weights import PRIORS, SETS
 from quickreturn.plugins.thesis.inference.words import VOTES

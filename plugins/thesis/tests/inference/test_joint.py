@@ -9,7 +9,7 @@ import pytest
 from exudyn.itemInterface import MarkerBodyRigid, MarkerNodeRigid, ObjectBeamGeometricallyExact, ObjectGround
 from exudyn.utilities import Force, GenericJoint, NodeRigidBodyEP, Torque
 
-from quickreturn.cases.library.thesis.runs import run_case
+from quickreturn.cases.library.thesis import run_case
 from quickreturn.plugins.thesis.chapters.thesis import POISSON, torsional_stiffness, twist
 from quickreturn.plugins.thesis.inference.unknowns import NAMES, PRINTED
 from quickreturn.plugins.thesis.inference.weights import RETURN, at_return, greatest_first_frequency, moved_by_mass, with_mass
