@@ -15,9 +15,9 @@ from quickreturn.cases.running.display import compilation_announced
 from quickreturn.computing import checked
 from quickreturn.dataset import dataset_file, table_file
 from quickreturn.plugins.studies.around import Around
-from quickreturn.plugins.studies.public.sweeping import ERROR
 from quickreturn.plugins.studies.resonance_curve.curve import SPEED, ResonanceCurve, range_of
 from quickreturn.plugins.studies.resonance_curve.search import OF_CURVE, USUAL, resonance_curve
+from quickreturn.plugins.studies.sweep.sweeping import ERROR
 from quickreturn.reports.output import require
 
 if TYPE_CHECKING:
