@@ -17,6 +17,7 @@ from quickreturn.engines import progress
 from quickreturn.engines.base import (
     AnyEngine,
     Comparison,
+    Engine,
     EngineFailure,
     EstimateOf,
     ModelDescription,
@@ -134,7 +135,7 @@ def simulate(
 
     Raises:
         ValueError: an accuracy without an estimate.
-        Refusal: the engine cannot model the scene.
+        Refusal: the engine cannot model the scene, or the follower alone.
         SettingError: a setting is not acceptable.
         EngineFailure: the run broke down; carries what was computed up to then.
     """
@@ -142,7 +143,7 @@ def simulate(
         raise ValueError(
             f"accuracy={accuracy:g} without an estimate: whether it is reached is known by the estimate alone; give one of them"
         )
-    engine.check(scene)
+    check_scene(engine, scene)
     target = accuracy or engine.default_accuracy
     first = engine.settings_for(target, scene)
     if settings:
@@ -153,6 +154,23 @@ def simulate(
     if settings:
         return runs.result(runs.judged(first), accuracy, asked=accuracy is not None)
     return runs.result(_climbed(runs, first, target), target, asked=accuracy is not None)
+
+
+def describe_scene(engine: AnyEngine, scene: Scene) -> ModelDescription:
+    """Describes what the engine builds for a scene with its default settings. Raises Refusal: it cannot model the scene."""
+    check_scene(engine, scene)
+    return engine.describe(scene, engine.settings_for(engine.default_accuracy, scene))
+
+
+def check_scene(engine: AnyEngine, scene: Scene) -> None:
+    """Refuse a scene that the engine cannot model. An override of `check` gets a follower alone only if the engine names `SPIN_UP`.
+
+    Raises:
+        Refusal: a feature of the scene that the engine does not have.
+    """
+    if scene.crank is None:
+        Engine.check(engine, scene)
+    engine.check(scene)
 
 
 class _NoTime(EngineFailure):

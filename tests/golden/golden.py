@@ -25,10 +25,11 @@ from quickreturn.cases.running.isolation import LocalProcesses
 from quickreturn.cases.running.job import Job, Limits
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
+from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import EngineFailure, Refusal
 from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.registry import MAIN, engine
-from quickreturn.engines.scene import simulate_scene
+from quickreturn.engines.start import standard_start
 from quickreturn.plugins.methods.rivals import RIVALS
 from quickreturn.reference_model.mechanism import Mechanism
 
@@ -50,7 +51,7 @@ def trajectory_row(case: str, name: str) -> Row:
     """RMS and projection of the estimated columns over the case's duration at the default accuracy, from the standard start."""
     loaded = load_case(case)
     try:
-        result = simulate_scene(engine(name), loaded.scene, loaded.duration, loaded.output_step)
+        result = simulate(engine(name), loaded.scene, standard_start(loaded.scene), loaded.duration, loaded.output_step)
     except Refusal:
         return {"status": "refused"}
     except EngineFailure as failure:

@@ -22,10 +22,11 @@ CODE = """
 import hashlib
 import sys
 from quickreturn.engines.registry import engine
-from quickreturn.engines.scene import simulate_scene
+from quickreturn.engines.accurate import simulate
+from quickreturn.engines.start import standard_start
 from tests.engines.scenes import run_24
 for name in sys.argv[1:]:
-    columns = simulate_scene(engine(name), run_24(), 0.02, 1e-3, estimate=False).trajectory.columns
+    columns = simulate(engine(name), run_24(), standard_start(run_24()), 0.02, 1e-3, estimate=False).trajectory.columns
     print(name, hashlib.sha256(b"".join(columns[each].tobytes() for each in sorted(columns))).hexdigest())
 """
 ENGINES = ("reference", "thesis", "mujoco")
