@@ -9,14 +9,14 @@ from pathlib import Path
 
 from sphinx.application import Sphinx
 
-sys.path.insert(0, str(Path(__file__).parent))  # the extensions beside this file
+sys.path.insert(0, str(Path(__file__).parent))  # the extension beside this file
 
 project = "quickreturn"
 author = "The quickreturn developers"
 copyright = "2026, the quickreturn developers"
 version = release = installed_version("quickreturn")
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "docstrings", "formulas"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "extension"]
 root_doc = "README"
 include_patterns = [
     "README.md",

@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 
 from quickreturn.engines.exudyn.assembly import Assembly
 from quickreturn.engines.exudyn.cable import Kink, direction, dot, turned
-from quickreturn.engines.exudyn.construction import add_cable, add_ends, add_nodes, add_weight, cable_of, marker_at
-from quickreturn.engines.exudyn.damping import Dampers
+from quickreturn.engines.exudyn.construction import Dampers, add_cable, add_ends, add_nodes, add_weight, cable_of, marker_at
 from quickreturn.engines.exudyn.library import items
 from quickreturn.engines.exudyn.record import (
     Hold,

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.engines.base import EngineFailure, Simulation
-from quickreturn.engines.exudyn.damping import longest_stretch
+from quickreturn.engines.exudyn.construction import longest_stretch
 from quickreturn.engines.exudyn.library import exu
 from quickreturn.engines.exudyn.record import Model, Record
 from quickreturn.engines.exudyn.settings import ExudynSettings

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from quickreturn.engines.exudyn.damping import LONGEST, LONGEST_TURN, longest_stretch
+from quickreturn.engines.exudyn.construction import LONGEST, LONGEST_TURN, longest_stretch
 from quickreturn.engines.registry import engine
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import relative_error
