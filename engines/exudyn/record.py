@@ -39,7 +39,7 @@ class Model(Protocol):
     drive_equation: int | None = None
 
     def prepare_stretch(self, coordinates: Array, rates: Array, duration: float) -> None:
-        """Set what stays constant over the next stretch of the simulation, `duration` (s) long, at most `damping.longest_stretch`."""
+        """Set what stays constant over the next stretch of the simulation, `duration` (s) long, at most `construction.longest_stretch`."""
         return
 
     def slider_position(self, coordinates: Array) -> float | None:

@@ -127,7 +127,7 @@ class BeamTables(NamedTuple):
 class BeamParameters(NamedTuple):
     """Constants of the equations, SI."""
 
-    constraint: int  # see `slider_constraint`
+    constraint: int  # see `joint.SliderConstraint`
     n: int  # shapes
     speeds: int  # m, number of speeds: the crank's, n amplitudes', and with an open loop the base angle's
     first: int  # first free speed: 1 where the crank's is prescribed
