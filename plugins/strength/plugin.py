@@ -5,7 +5,7 @@ from quickreturn.engines.plugins import Plugin
 _HERE = "quickreturn.plugins.strength"
 PLUGIN = Plugin(
     measures=f"{_HERE}.measures:MEASURES",
-    readings={"loads": f"{_HERE}.case_loads:LOADS"},
+    readings={"loads": f"{_HERE}.reading:LOADS"},
     commands={
         "explain": (
             f"{_HERE}.commands:explain",
