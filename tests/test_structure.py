@@ -40,24 +40,24 @@ cases.motion: cycle drifting_fit extremes first_mode half_cycle moving_mode numb
 cases.running: display job key records store workshop
 """
 #: Lines of the kernel at most, everything counted.
-LARGEST_KERNEL = 10_000
+LARGEST_KERNEL = 9_000
 #: Room -> lines of code at most: blank lines, comments, docstrings and imports do not count, nor do tests.
 BUDGETS = {
     "reference_model": 5_887,
-    "engines": 4_340,
+    "engines": 4_330,
     "cases": 6_070,
-    "reports": 2_345,
-    "quickreturn": 1_910,
+    "reports": 2_342,
+    "quickreturn": 1_905,
     "pack": 90,
-    "plugins/as_built": 410,
+    "plugins/as_built": 405,
     "plugins/conform": 950,
     "plugins/derive": 2_090,
     "plugins/fmu": 390,
     "plugins/methods": 2_278,
     "plugins/pack": 430,
-    "plugins/strength": 1_400,
+    "plugins/strength": 1_380,
     "plugins/studies": 2_510,
-    "plugins/thesis": 1_320,
+    "plugins/thesis": 1_300,
 }
 
 
