@@ -64,10 +64,16 @@ def test_a_program_that_is_not_installed_is_left_out_with_a_word(errors: Any) ->
 
 
 def test_an_adapter_takes_sixty_lines() -> None:
-    """That of the page, and PyElastica's: what an author writes, with its imports."""
-    (block,) = (each for each in re.findall(r"```python\n(.*?)```", PAGE, re.S) if "qr.RodEngine" in each)
-    script = (ROOT / "examples" / "rods" / "pyelastica_engine.py").read_text("utf-8")
-    assert [len(text.splitlines()) <= 60 for text in (block, script)] == [True, True]
+    """What an author writes, with its imports."""
+    scripts = [(ROOT / "examples" / "rods" / f"{name}_engine.py").read_text("utf-8") for name in ("mujoco", "pyelastica")]
+    assert [len(script.splitlines()) <= 60 for script in scripts] == [True, True]
+
+
+@pytest.mark.verify
+def test_mujoco_conforms(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "examples" / "rods"))
+    found = conform(importlib.import_module("mujoco_engine").MyRod(), quiet=True)
+    assert found.conforms, found.failed
 
 
 @pytest.mark.verify

@@ -226,15 +226,15 @@ def unconfirmed() -> set[tuple[str, str]]:
     return outputs(r"\b(float|Array|complex)\b") - GIVEN - WITNESSES.keys()
 
 
-def rows() -> Iterator[tuple[str, str, str, str]]:
-    """Rows of the table: outputs, witness, largest difference, test; outputs with one witness and one test share a row."""
-    groups: dict[tuple[str, str, str], list[tuple[str, float]]] = {}
+def rows() -> Iterator[tuple[str, str, str]]:
+    """Rows of the table: outputs, witness, largest difference; outputs of a kind with one witness share a row."""
+    groups: dict[tuple[str, str], list[tuple[str, float]]] = {}
     for (kind, name), witness in WITNESSES.items():
-        groups.setdefault((kind, witness.by, witness.test), []).append((name, witness.largest))
-    for (kind, by, test), members in groups.items():
+        groups.setdefault((kind, witness.by), []).append((name, witness.largest))
+    for (kind, by), members in groups.items():
         least, most = min(largest for _, largest in members), max(largest for _, largest in members)
         largest = f"{most:.0e}" if least == most else f"{least:.0e} to {most:.0e}"
-        yield f"{kind} {_named([name for name, _ in members])}", by, largest.replace("0e+00", "none"), test
+        yield f"{kind} {_named([name for name, _ in members])}", by, largest.replace("0e+00", "none")
 
 
 def _named(names: list[str]) -> str:
@@ -247,10 +247,9 @@ def _named(names: list[str]) -> str:
 
 
 def table() -> str:
-    """The table in Markdown; a test by its function, as `pytest -k` finds it."""
-    heading = ("output", "confirmed by", "largest difference", "test"), ("---",) * 4
-    shown = ((output, by, largest, f"`{test.partition('::')[2]}`") for output, by, largest, test in rows())
-    return "\n".join(f"| {' | '.join(row)} |" for row in (*heading, *shown))
+    """The table in Markdown."""
+    heading = ("output", "confirmed by", "largest difference"), ("---",) * 3
+    return "\n".join(f"| {' | '.join(row)} |" for row in (*heading, *rows()))
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-from quickreturn.plugins.methods.row import Row
+from quickreturn.plugins.methods.row import LEVELS, Row
 
 WORST, DEFLECTION = "worst of four", "deflection alone"
 #: Name -> error of a row by which it is judged: the worst of deflection, acceleration, strains and slider force, or the deflection's.
@@ -54,6 +54,13 @@ class Standing:
     row: Row  # the first run below the level
     seconds: float  # solve time at the level: interpolated in logarithms between that run and the one before it on the front
     calls: float | None  # likewise
+
+
+def around_levels(on_front: Sequence[Row], by: str) -> list[Row]:
+    """The rows of a front that give the times at `LEVELS`, and its most accurate one."""
+    first = [next((number for number, row in enumerate(on_front) if (CRITERIA[by](row) or 0.0) <= level), None) for level in LEVELS]
+    kept = {max(number - before, 0) for number in first if number is not None for before in (0, 1)} | {len(on_front) - 1}
+    return [row for number, row in enumerate(on_front) if number in kept]
 
 
 def standing(rows: Iterable[Row], level: float, by: str = WORST) -> Standing | None:

@@ -17,7 +17,7 @@ from quickreturn.engines.base import EngineFailure, Refusal
 from quickreturn.engines.registry import MAIN
 from quickreturn.plugins.methods import map as of_classes
 from quickreturn.plugins.methods.compiling import Compiling, compiling
-from quickreturn.plugins.methods.fronts import CRITERIA, front, standings
+from quickreturn.plugins.methods.fronts import CRITERIA, around_levels, front, standings
 from quickreturn.plugins.methods.groups import Groups, case_of, grid, name_of
 from quickreturn.plugins.methods.map import ClassScene, Map
 from quickreturn.plugins.methods.race import Contest, Race, race
@@ -109,12 +109,18 @@ def classes(workshop: Workshop, among: Iterable[Groups] | None = None) -> Map:
     return Map(tuple(scenes), tuple(rows))
 
 
-def recorded_rows(rows: Sequence[Row]) -> list[Row]:
-    """The rows of a scene that are recorded: the signed ones, the answers, and those on a front with an error up to `LARGEST_RECORDED`."""
+def recorded_rows(rows: Sequence[Row], whole: bool = True) -> list[Row]:
+    """The rows of a scene that are recorded: the signed ones, the answers, and those on a front with an error up to `LARGEST_RECORDED`.
+
+    Unless the `whole` front is recorded, only the rows that give the time at a level, and the most accurate one.
+    """
     kept = {id(row) for row in rows if row.signed or row.level is not None}
     for method in dict.fromkeys(row.method for row in rows):
         given = [row for row in rows if row.method == method and row.level is None]
-        kept |= {id(row) for by in CRITERIA for row in front(given, by) if (row.worst or 0.0) <= LARGEST_RECORDED}
+        for by in CRITERIA:
+            on_front = front(given, by)
+            chosen = [row for row in on_front if (row.worst or 0.0) <= LARGEST_RECORDED] if whole else around_levels(on_front, by)
+            kept |= {id(row) for row in chosen}
     return [row for row in rows if id(row) in kept]
 
 
@@ -129,8 +135,10 @@ def hard_scene_rows(workshop: Workshop) -> dict[str, Sequence[Any]]:
 
 
 def _tables(name: str, races: Sequence[Race]) -> dict[str, Sequence[Any]]:
-    rows = [essential(row) for found in races for row in recorded_rows(found.rows)]
-    return {name: rows, f"{name}_scenes": [replace(found, rows=()) for found in races]}
+    """Rows and scenes; of the first scene, where settings are chosen, with whole fronts, and with the machine."""
+    rows = [essential(row) for found in races for row in recorded_rows(found.rows, found is races[0])]
+    scenes = [replace(found, rows=(), machine=found.machine if found is races[0] else {}) for found in races]
+    return {name: rows, f"{name}_scenes": scenes}
 
 
 def class_rows(workshop: Workshop) -> dict[str, Sequence[Any]]:

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from quickreturn.plugins.methods.fronts import DEFLECTION, WORST, front, paced, standing, standings
-from quickreturn.plugins.methods.row import TIP, Row
+from quickreturn.plugins.methods.fronts import DEFLECTION, WORST, around_levels, front, paced, standing, standings
+from quickreturn.plugins.methods.row import LEVELS, TIP, Row
 
 
 def row(seconds: float, error: float | None, engine: str = "a", worst: float | None = None, calls: float | None = None) -> Row:
@@ -48,6 +48,15 @@ def test_between_the_runs_of_a_power_law_the_time_is_that_of_the_law(order: floa
     assert found.row.error == max(error for error in errors if error <= level)
     assert standing(rows, 1e-5) is None
     assert standing(rows, 0.5).seconds == rows[0].seconds  # type: ignore[union-attr]
+
+
+@given(st.lists(st.tuples(positive, st.floats(1e-6, 1.0)), max_size=30))
+def test_rows_around_the_levels_give_the_times_of_the_whole_front(values: list[tuple[float, float]]) -> None:
+    whole = front([row(*value) for value in values])
+    kept = around_levels(whole, WORST)
+    assert len(kept) <= 2 * len(LEVELS) + 1
+    assert [standing(kept, level) for level in LEVELS] == [standing(whole, level) for level in LEVELS]
+    assert kept[-1:] == whole[-1:]
 
 
 def test_the_worst_column_or_the_deflection_alone_decides() -> None:

@@ -40,6 +40,7 @@ def test_ten_sentences_in_words_as_a_document_and_in_python(call: Call) -> None:
     assert "in/s²" in inches[0]["sentence"]
 
 
+@pytest.mark.verify
 def test_the_speed_of_a_machine_that_works_against_a_brake_is_that_of_its_settled_turn(call: Call) -> None:
     """Torque over damping is 16.62 rad/s, the mean 12.45: the brake at P takes a quarter. Its run, `run` and `explain` tell one speed."""
     braked = ("thesis-24", "--set", "base.damping=1 N*m*s/rad", "--accuracy", "0.05", "--json")

@@ -76,6 +76,7 @@ def folders(tmp_path: Path) -> list[str]:
     return [str(tmp_path / name) for name in ("alone", "before", "after")]
 
 
+@pytest.mark.verify
 def test_a_users_function_is_the_same_before_and_after_a_simulation(tmp_path: Path) -> None:
     alone, before, after = folders(tmp_path)
     code = f"{COMPILES}print(json.dumps(compiled(sys.argv[1])));{USES}print(json.dumps(compiled(sys.argv[2])))"

@@ -82,6 +82,7 @@ def posterior(words: Words) -> np.ndarray:
     return machines().prior("untold") * together(votes, tuple(votes), biases)
 
 
+@pytest.mark.verify
 def test_twenty_invented_machines_lie_in_the_intervals_of_ninety_per_cent() -> None:
     """For at least eight in ten of the unknowns that the statements bear on."""
     generator = np.random.default_rng(3)
