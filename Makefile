@@ -56,7 +56,7 @@ pack: $(VERIFY)
 
 # The wheel with machine code for Linux on x86-64-v3; build/wheel/.
 wheel: $(TEST)
-	$(BIN)/python -P -m quickreturn.reference_model.ship
+	$(BIN)/python -P -m quickreturn.reference_model.entries
 	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir build/wheel .
 	rm -r reference_model/native/shipped
 

@@ -93,10 +93,9 @@ class _Outcome:
             self.rows.append([file.removeprefix("tests/"), _words(name), report.outcome, round(report.duration, 1), measured or None])
 
     def pytest_sessionfinish(self) -> None:
-        from quickreturn.cases.files.whole_file import write_atomically
         from quickreturn.cases.running.key import code_fingerprint
-        from quickreturn.cases.running.store import Store
-        from quickreturn.reports.verification import FILE, PARTS
+        from quickreturn.cases.running.store import Store, write_atomically
+        from quickreturn.reports.page.content import FILE, PARTS
 
         passed = sum(row[2] == "passed" for row in self.rows)
         chapter = {

@@ -17,6 +17,7 @@ from quickreturn.engines import progress
 from quickreturn.engines.base import (
     AnyEngine,
     Comparison,
+    Engine,
     EngineFailure,
     EstimateOf,
     ModelDescription,
@@ -34,12 +35,10 @@ from quickreturn.engines.error_parts import (
     starts_suddenly,
     total,
 )
-from quickreturn.engines.one_run import CompletedRun, Remembered, compile_seconds, run_once
-from quickreturn.engines.one_thread import on_one_thread
-from quickreturn.engines.relative import rms
+from quickreturn.engines.one_run import CompletedRun, Remembered, compile_seconds, on_one_thread, run_once
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start
-from quickreturn.engines.trajectory import FollowerTrajectory, Trajectory
+from quickreturn.engines.trajectory import FollowerTrajectory, Trajectory, rms
 from quickreturn.reference_model.mechanism import Scene
 
 #: Assumed time of the next run over that of the longest so far: half the step and twice the elements. It is not begun if less time is left.
@@ -136,7 +135,7 @@ def simulate(
 
     Raises:
         ValueError: an accuracy without an estimate.
-        Refusal: the engine cannot model the scene.
+        Refusal: the engine cannot model the scene, or the follower alone.
         SettingError: a setting is not acceptable.
         EngineFailure: the run broke down; carries what was computed up to then.
     """
@@ -144,7 +143,7 @@ def simulate(
         raise ValueError(
             f"accuracy={accuracy:g} without an estimate: whether it is reached is known by the estimate alone; give one of them"
         )
-    engine.check(scene)
+    check_scene(engine, scene)
     target = accuracy or engine.default_accuracy
     first = engine.settings_for(target, scene)
     if settings:
@@ -155,6 +154,23 @@ def simulate(
     if settings:
         return runs.result(runs.judged(first), accuracy, asked=accuracy is not None)
     return runs.result(_climbed(runs, first, target), target, asked=accuracy is not None)
+
+
+def describe_scene(engine: AnyEngine, scene: Scene) -> ModelDescription:
+    """Describes what the engine builds for a scene with its default settings. Raises Refusal: it cannot model the scene."""
+    check_scene(engine, scene)
+    return engine.describe(scene, engine.settings_for(engine.default_accuracy, scene))
+
+
+def check_scene(engine: AnyEngine, scene: Scene) -> None:
+    """Refuse a scene that the engine cannot model. An override of `check` gets a follower alone only if the engine names `SPIN_UP`.
+
+    Raises:
+        Refusal: a feature of the scene that the engine does not have.
+    """
+    if scene.crank is None:
+        Engine.check(engine, scene)
+    engine.check(scene)
 
 
 class _NoTime(EngineFailure):

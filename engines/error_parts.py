@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.engines.base import Comparison, EngineFailure
-from quickreturn.engines.relative import rms, scale
 from quickreturn.engines.settings import Settings
-from quickreturn.engines.trajectory import Trajectory
+from quickreturn.engines.trajectory import Trajectory, rms, scale
 from quickreturn.reference_model.columns import AXIAL, BEARINGS, BENDING
 
 R = TypeVar("R")

@@ -1,4 +1,8 @@
-"""One run of an engine, and the checks that its trajectory must pass."""
+"""One run of an engine, and its natural frequencies, with the checks that both must pass.
+
+They have one thread for linear algebra, for the eigenproblems of shapes are small: with a second one they use up to thirty times the
+processor time, and save none.
+"""
 
 import contextlib
 import gc
@@ -8,19 +12,22 @@ import time
 import traceback
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import wraps
 from pathlib import Path
-from typing import Final, Generic, TypeVar
+from typing import Any, Final, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
 from quickreturn.engines import progress
 from quickreturn.engines.base import AnyEngine, EngineFailure, Refusal, Simulation, first_line
+from quickreturn.engines.registry import MAIN
 from quickreturn.engines.settings import SettingError, Settings
 from quickreturn.engines.start import Start
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.errors import OF_THE_MACHINE
-from quickreturn.reference_model.mechanism import Scene
+from quickreturn.reference_model.mechanism import Mechanism, Scene
 
 R = TypeVar("R")
 
@@ -175,3 +182,51 @@ def _no_garbage_collection() -> Iterator[None]:
     finally:
         if was_on:
             gc.enable()
+
+
+T = TypeVar("T")
+
+
+def on_one_thread(function: Callable[..., T]) -> Callable[..., T]:
+    """Decorator of a function whose first argument is an engine."""
+
+    @wraps(function)
+    def limited(engine: Any, *arguments: Any, **named: Any) -> T:
+        if engine.name not in MAIN:  # scipy has a BLAS of its own, and the limit holds for what is loaded; the main engines use numpy's
+            import scipy.linalg  # noqa: F401
+        with threadpool_limits(limits=1, user_api="blas"):
+            return function(engine, *arguments, **named)
+
+    return limited
+
+
+_QUOTED = 60  # characters of an engine's answer that a message quotes
+
+
+@on_one_thread
+def natural_frequencies(engine: AnyEngine, mechanism: Mechanism, crank_angle: float, count: int, settings: Settings) -> NDArray[np.float64]:
+    """`Engine.natural_frequencies` in Hz, of shape (<= count,): finite, none negative, ascending.
+
+    Raises:
+        Refusal: as the engine raises it.
+        EngineFailure: the engine returned something else; the cause says what.
+    """
+    answer: Any = engine.natural_frequencies(mechanism, crank_angle, count, settings)
+    try:
+        values = np.asarray(answer)
+    except ValueError:  # lists of different lengths
+        values = np.empty((0, 0))
+    wrong = ""
+    if values.ndim != 1 or (values.size and values.dtype.kind not in "iuf"):
+        wrong = "that are no list of numbers"
+    elif not np.isfinite(values).all():
+        wrong = "that are not finite"
+    elif (values < 0.0).any():
+        wrong = "below zero"
+    elif (np.diff(values.astype(np.float64)) < 0.0).any():
+        wrong = "that do not ascend"
+    if wrong:
+        shown = " ".join(str(answer).split())
+        cause = f"the engine returned natural frequencies {wrong}: {shown if len(shown) <= _QUOTED else f'{shown[:_QUOTED]}...'}"
+        raise EngineFailure(0.0, cause, "report this to the author of the engine")
+    return np.asarray(values, dtype=np.float64)[:count]

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.engines.base import SPIN_UP, EngineFailure, ModelDescription, Refusal, Simulation
-from quickreturn.engines.one_resolution import OneResolution
 from quickreturn.engines.settings import Settings, setting
+from quickreturn.engines.simple import OneResolution
 from quickreturn.engines.trajectory import FollowerTrajectory
 from quickreturn.reference_model.mechanism import FollowerAlone, Scene
 

@@ -8,14 +8,13 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from quickreturn.cases.files.case import Case
-from quickreturn.cases.files.case_file import load_case, with_times
 from quickreturn.cases.files.document import check_mapping
 from quickreturn.cases.files.errors import CaseError, as_written, shortened
-from quickreturn.cases.files.printable import Cell, Printable, Rows
-from quickreturn.cases.library import CatalogueLine, case_names, catalogue
+from quickreturn.cases.files.shown import Cell, Printable, Rows
+from quickreturn.cases.library import CatalogueLine, case_names, catalogue, load_case, with_times
+from quickreturn.engines.accurate import check_scene
 from quickreturn.engines.base import AnyEngine, Engine
 from quickreturn.engines.registry import MAIN, UnknownEngine, engine, is_foreign
-from quickreturn.engines.scene import check_scene
 from quickreturn.engines.settings import ANY_ENGINE, SettingError, as_texts
 from quickreturn.reference_model.mechanism import Scene
 

@@ -58,7 +58,7 @@ def workshop(jobs: int | None, quiet: bool, cases: "Sequence[Case]" = (), engine
         StoreError: the folder of results cannot be used.
         ExecutorError: the cluster cannot be used.
     """
-    from quickreturn.cases.running.processes import LocalProcesses
+    from quickreturn.cases.running.isolation import LocalProcesses
     from quickreturn.cases.running.store import Store
     from quickreturn.cases.running.workshop import Workshop
 

@@ -9,9 +9,8 @@ from quickreturn.arguments import AnyCase, AnyEngineOrTable, given_settings, loa
 from quickreturn.cases.comparison.campaign import cross_validate
 from quickreturn.cases.comparison.engines import CaseResult
 from quickreturn.cases.comparison.pair import Difference
-from quickreturn.cases.files.columns import known_column
-from quickreturn.cases.files.errors import as_written, nearest_or_all
-from quickreturn.cases.files.printable import Cell, Printable
+from quickreturn.cases.files.errors import as_written, known_column, nearest_or_all
+from quickreturn.cases.files.shown import Cell, Printable
 from quickreturn.cases.motion.catalogue import MEASURES, numbers
 from quickreturn.cases.motion.cycle import EXTREMES, VIBRATION
 from quickreturn.cases.motion.request import Run

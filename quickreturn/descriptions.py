@@ -12,12 +12,11 @@ from typing import Any
 from quickreturn.arguments import Listing
 from quickreturn.cases.running.display import answers
 from quickreturn.cases.running.fork_server import DESCRIBING
-from quickreturn.cases.running.in_process import done
-from quickreturn.cases.running.job import Job, Limits, Outcome, T
-from quickreturn.cases.running.processes import LocalProcesses
+from quickreturn.cases.running.isolation import LocalProcesses
+from quickreturn.cases.running.job import Job, Limits, Outcome, T, done
+from quickreturn.engines.accurate import describe_scene
 from quickreturn.engines.base import EngineFailure, ModelDescription, Refusal
 from quickreturn.engines.registry import UnknownEngine, engine, engine_names, own_engines, usable_engine
-from quickreturn.engines.scene import describe_scene
 from quickreturn.engines.settings import SettingError
 from quickreturn.reference_model.errors import EngineTrouble
 from quickreturn.reference_model.mechanism import Scene

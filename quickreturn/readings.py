@@ -6,7 +6,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from quickreturn.cases.files.case import Case
-from quickreturn.cases.files.printable import Cell
+from quickreturn.cases.files.shown import Cell
 from quickreturn.cases.motion.solving import TrajectoryRequest
 from quickreturn.cases.running.job import Job
 from quickreturn.engines.accurate import Result

@@ -10,15 +10,14 @@ import sys
 import time
 from collections.abc import Sequence
 from contextlib import suppress
+from importlib.metadata import version
 from typing import Any
 
-from quickreturn.cases.files.whole_file import write_atomically
 from quickreturn.cases.running.key import LIBRARIES
-from quickreturn.cases.running.store import Store
+from quickreturn.cases.running.store import Store, write_atomically
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.registry import engine
 from quickreturn.reports.long_studies import FOLDER, About, about, studies, text_of
-from quickreturn.reports.machine import version
 
 
 def main(arguments: Sequence[str]) -> int:

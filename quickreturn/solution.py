@@ -13,12 +13,11 @@ import numpy as np
 
 from quickreturn.arguments import AnyCase, engine_given, one_case
 from quickreturn.cases.files.case import Case
-from quickreturn.cases.files.columns import known_column
-from quickreturn.cases.files.printable import Cell, Printable, Rows
+from quickreturn.cases.files.errors import known_column
+from quickreturn.cases.files.shown import Cell, Printable, Rows
 from quickreturn.cases.motion.solving import Answer, TrajectoryRequest, frequencies_job
 from quickreturn.cases.running.display import compilation_announced
-from quickreturn.cases.running.in_process import ThisProcess
-from quickreturn.cases.running.job import Job, T
+from quickreturn.cases.running.job import Job, T, ThisProcess
 from quickreturn.cases.running.store import Store, StoreError
 from quickreturn.cases.running.workshop import outcomes_of
 from quickreturn.computing import checked
@@ -27,9 +26,8 @@ from quickreturn.engines.accurate import NOT_ESTIMATED, Result
 from quickreturn.engines.base import AnyEngine, Engine, EngineFailure
 from quickreturn.engines.error_parts import ESTIMATED, TIP, ErrorPart
 from quickreturn.engines.registry import usable_engine
-from quickreturn.engines.relative import rms
 from quickreturn.engines.settings import as_texts
-from quickreturn.engines.trajectory import Trajectory
+from quickreturn.engines.trajectory import Trajectory, rms
 from quickreturn.readings import readings
 from quickreturn.reference_model.columns import AXIAL, BEARINGS, BENDING, COLUMNS
 from quickreturn.reference_model.native import cache_folder
@@ -159,7 +157,7 @@ class Solution(Printable):
             UnknownColumn: the engine does not give the follower's shape.
             CaseError: a page was asked for, and the case has no crank.
         """
-        from quickreturn.reports.drawing.animation import moving
+        from quickreturn.reports.drawing.mechanism import moving
 
         place = Path(path)
         check_writable(place, "", ".webp", ".html")

@@ -18,8 +18,8 @@ from quickreturn.cases.comparison.pair import Difference
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.errors import CaseError
 from quickreturn.cases.files.number_rows import PLAIN, Form
-from quickreturn.cases.files.printable import Cell, Printable, Rows
 from quickreturn.cases.files.recorded import RecordedTable, read_table, table_of
+from quickreturn.cases.files.shown import Cell, Printable, Rows
 from quickreturn.cases.motion.number import SAYS_NOTHING
 from quickreturn.cases.motion.request import NOTHING, Run
 from quickreturn.cases.running.job import Job
@@ -28,8 +28,7 @@ from quickreturn.computing import checked, workshop
 from quickreturn.engines.plugins import found as found_at
 from quickreturn.engines.plugins import places as of_plugins
 from quickreturn.engines.registry import MAIN
-from quickreturn.engines.relative import rms, scale
-from quickreturn.engines.trajectory import Trajectory
+from quickreturn.engines.trajectory import Trajectory, rms, scale
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.solution import Solution
 from quickreturn.verdict_text import parts_of
@@ -263,7 +262,7 @@ def difference(ours: AnyTable, theirs: AnyTable) -> Differences:
 
     Args:
         ours: a result of `simulate`, the path of a table, a DataFrame or a dictionary of arrays; units stand in the headings.
-        theirs: likewise; the differences are relative to it, as error estimates are (`engines.relative.scale`). A column that is zero
+        theirs: likewise; the differences are relative to it, as error estimates are (`engines.trajectory.scale`). A column that is zero
             throughout in `theirs` gives infinity, or 0 if it is zero in both, or rounding.
 
     Raises:

@@ -7,8 +7,7 @@ from typing import Any, Final
 from quickreturn.cases.comparison.engines import REFERENCE, CaseResult, agreement, not_judged
 from quickreturn.cases.comparison.pair import WAVEFORM, Difference, Kind
 from quickreturn.cases.files.case import Case
-from quickreturn.cases.files.printable import Cell, Rows
-from quickreturn.cases.files.shown import Units
+from quickreturn.cases.files.shown import Cell, Rows, Units
 from quickreturn.cases.motion.catalogue import IN_TABLES, MEASURES, numbers
 from quickreturn.cases.motion.number import SAYS_NOTHING
 from quickreturn.cases.motion.request import Run

@@ -5,9 +5,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from quickreturn.reference_model import tip_force
 from quickreturn.reference_model.mechanism import Scene, TorqueDrive
 from quickreturn.reference_model.rigid import slow_speed
+from quickreturn.reference_model.tip import tool_constants
 
 #: `pace` over the slow speed of a crank, at least: it is then six times the crank's own speed.
 PACE_OF_CRANK: Final = 96.0
@@ -28,7 +28,7 @@ def constants(scene: Scene) -> dict[str, Any]:
         "tip_mass": tip.mass,
         "tip_inertia": tip.inertia,
         "tip_offset": tip.center_of_mass,
-        **tip_force.constants(tip),
+        **tool_constants(tip),
         "gravity_1": scene.gravity[0],
         "gravity_2": scene.gravity[1],
         "extreme_fibre": follower.extreme_fibre,

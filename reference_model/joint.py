@@ -1,10 +1,12 @@
-"""The law of the slider's joint: what two rollers, one on either side of the follower, do across the gap (DERIVATION.md, 5.11 to 5.14).
+"""The slider's joint: the law of two rollers, one on either side of the follower, and the constraints by which methods treat the gap.
 
-The functions are plain arithmetic: each model compiles them, or calls them as they are.
+The law has equations 5.11 to 5.14 of DERIVATION.md; section 5 explains the constraints. The functions of the law are plain
+arithmetic: each model compiles them, or calls them as they are.
 """
 
 import math
 from dataclasses import dataclass
+from typing import Final
 
 from quickreturn.reference_model.slider import Slider
 
@@ -89,3 +91,35 @@ def joint_in_words(slider: Slider) -> str:
 def friction_in_words(slider: Slider) -> str:
     """The end of a description of the joint: a clause on its friction, "" for a frictionless slider."""
     return ", with friction along the follower" if slider.has_friction else ""
+
+
+#: Kinds of constraint, by what happens to the gap between crank tip and centre line along the follower's normal.
+ELIMINATED: Final = 0  # the follower's angle closes it
+MULTIPLIER: Final = 1  # a force closes it, a Lagrange multiplier
+ROLLERS: Final = 2  # two rollers, or one spring, act across it
+LEVER: Final = 3  # as MULTIPLIER, but the force acts on the two nodes of the slider's element by the lever rule: not workless
+CHORDS: Final = 4  # as LEVER, and the slider rides on the chords between the nodes: workless
+BASE: Final = 5  # there is no slider; the follower's base turns as prescribed
+
+
+@dataclass(frozen=True, kw_only=True)
+class SliderConstraint:
+    """A slider constraint and its constants.
+
+    Attributes:
+        kind: one of ELIMINATED, MULTIPLIER, ROLLERS, LEVER and CHORDS of this module.
+        rollers: for ROLLERS.
+        inertia: for ROLLERS, kg: force over the gap's second derivative, which slows the vibration of a stiff spring.
+        stabilization: for MULTIPLIER, LEVER and CHORDS, 1/s: rate at which numerical errors of the gap decay.
+        bending_damping: numerical damping, added to the material's: damping moment over EI, per rate of curvature, s.
+    """
+
+    kind: int = ELIMINATED
+    rollers: Rollers = Rollers()
+    inertia: float = 0.0
+    stabilization: float = 0.0
+    bending_damping: float = 0.0
+
+
+#: The follower's angle closes the gap, so that no force is unknown.
+CLOSED: Final = SliderConstraint()

@@ -12,9 +12,8 @@ from quickreturn.reference_model.beam import tables as beam
 from quickreturn.reference_model.columns import NUMBERS, recorded_columns
 from quickreturn.reference_model.constants import characteristic_frequency, crank_speed_scale, pace
 from quickreturn.reference_model.entries import KERNEL, LINEARISED, OBSERVATIONS, WEIGHED
-from quickreturn.reference_model.implicit import Linearisation, radau
-from quickreturn.reference_model.integrate import Equations, dop853
-from quickreturn.reference_model.integration import Integration
+from quickreturn.reference_model.integrate import Equations, Integration, Linearisation, dop853, radau
+from quickreturn.reference_model.joint import BASE, CLOSED, ELIMINATED, ROLLERS, SliderConstraint
 from quickreturn.reference_model.mechanism import FollowerAlone, Scene
 from quickreturn.reference_model.motion.layout import BeamParameters, ShapeRow, state_size, workspace
 from quickreturn.reference_model.motion.parameters import parameters
@@ -22,7 +21,6 @@ from quickreturn.reference_model.native.memory import Placed
 from quickreturn.reference_model.natural_modes import clamped_modes
 from quickreturn.reference_model.rigid import deflection_scale, rigid_motion, stiffness_across
 from quickreturn.reference_model.shapes import ShapeSet, decoupled, no_shapes
-from quickreturn.reference_model.slider_constraint import BASE, CLOSED, ELIMINATED, ROLLERS, SliderConstraint
 from quickreturn.reference_model.state import State
 
 Array = NDArray[np.float64]

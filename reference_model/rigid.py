@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from quickreturn.reference_model.mechanism import Base, Mechanism, Scene, TorqueDrive
 from quickreturn.reference_model.spring import pull_of, spring_stiffness
-from quickreturn.reference_model.tip_force import slide_friction, tip_force
+from quickreturn.reference_model.tip import slide_friction, tip_force
 
 Array = NDArray[np.float64]
 

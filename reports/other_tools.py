@@ -17,8 +17,7 @@ from quickreturn.reference_model.joint import rollers
 from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive
 from quickreturn.reference_model.rigid import crank_pace, rigid_motion
 from quickreturn.reference_model.slider import Slider
-from quickreturn.reference_model.tip import Tip
-from quickreturn.reference_model.tip_force import WHOLE
+from quickreturn.reference_model.tip import WHOLE, Tip
 
 #: Largest number of letters in a line of prose.
 WIDTH: Final = 110

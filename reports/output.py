@@ -14,8 +14,8 @@ from typing import Any, Final
 import click
 
 from quickreturn.cases.files.errors import printable, shortened
-from quickreturn.cases.files.printable import Cell, Rows
-from quickreturn.cases.files.whole_file import words_of, write_atomically
+from quickreturn.cases.files.shown import Cell, Rows
+from quickreturn.cases.running.store import words_of, write_atomically
 from quickreturn.reference_model.errors import ToldError
 
 #: Extra of this package -> modules that it installs, and by which name.

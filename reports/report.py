@@ -2,8 +2,13 @@
 
 import contextlib
 import csv
+import datetime
+import os
+import platform
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from importlib import metadata
 from pathlib import Path
 from typing import Final
 
@@ -15,18 +20,59 @@ from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.number import SAYS_NOTHING
 from quickreturn.cases.motion.request import Run
 from quickreturn.cases.motion.steady_state import steady_state
+from quickreturn.cases.running.isolation import available_cores
 from quickreturn.cases.running.key import code_of
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.registry import MAIN
-from quickreturn.reports.machine import machine_facts
 from quickreturn.reports.output import check_folder, write_file
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.content import Content
+from quickreturn.reports.page.content import verification as stored_verification
 from quickreturn.reports.page.part import parts
 from quickreturn.reports.page.render import report_page
-from quickreturn.reports.tables.table import Table
-from quickreturn.reports.verification import verification as stored_verification
+from quickreturn.reports.tables import Table
 from quickreturn.reports.words import TIED, counted
+
+#: Packages whose versions the report names besides those of the engines.
+PACKAGES: Final = ("quickreturn", "numpy", "scipy", "numba", "pandas", "matplotlib", "pint")
+
+
+def machine_facts() -> dict[str, str]:
+    """Name of a fact -> the fact in words."""
+    return {
+        "date": datetime.datetime.now(datetime.UTC).strftime("%Y-%m-%d %H:%M UTC"),
+        "processor": _processor(),
+        "cores": f"{available_cores()} usable of {os.cpu_count() or 'unknown'}",
+        "memory": f"{os.sysconf('SC_PHYS_PAGES') * os.sysconf('SC_PAGE_SIZE') / 2**30:.1f} GiB",
+        "system": _system(),
+        "Python": f"{platform.python_implementation()} {platform.python_version()}",
+        "packages": ", ".join(f"{name} {version(name)}" for name in PACKAGES),
+    }
+
+
+def version(package: str) -> str:
+    """Version of a package, or "not installed"."""
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return "not installed"
+
+
+def _processor() -> str:
+    with contextlib.suppress(OSError):
+        cpu_info = Path("/proc/cpuinfo").read_text("utf-8", errors="replace")
+        if model := re.search(r"^model name\s*:\s*(.+)$", cpu_info, re.MULTILINE):
+            return model[1].strip()
+    return platform.processor() or platform.machine() or "unknown"
+
+
+def _system() -> str:
+    try:
+        name = platform.freedesktop_os_release()["PRETTY_NAME"]
+    except (OSError, KeyError):
+        name = platform.system()
+    return f"{name}, {platform.system()} {platform.release()}, {platform.machine()}"
+
 
 PAGE: Final = "index.html"
 #: The list of all CSV files. The next report in the same folder reads it, and removes the tables that it does not replace.

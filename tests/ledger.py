@@ -18,9 +18,8 @@ from typing import Final
 
 import pytest
 
-from quickreturn.cases.files.whole_file import write_atomically
-from quickreturn.cases.running.imported_modules import imported_modules, source_of
-from quickreturn.cases.running.store import Store
+from quickreturn.cases.running.key import imported_modules, source_of
+from quickreturn.cases.running.store import Store, write_atomically
 
 ROOT: Final = Path(__file__).resolve().parents[1]
 FILE: Final = "verify_ledger.csv"

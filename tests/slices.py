@@ -18,7 +18,7 @@ from typing import Any, TypeVar
 
 import pytest
 
-from quickreturn.cases.running.imported_modules import names_imported
+from quickreturn.cases.running.key import names_imported
 
 T = TypeVar("T")
 

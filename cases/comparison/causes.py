@@ -27,7 +27,7 @@ from quickreturn.cases.files.instants import DEVIATIONS, ROUNDING, scatter
 from quickreturn.cases.motion.marching import channels_of
 from quickreturn.cases.motion.request import NOTHING, Run
 from quickreturn.cases.motion.settling import GRID, on_common_grid
-from quickreturn.engines.relative import rms, scale
+from quickreturn.engines.trajectory import rms, scale
 from quickreturn.reference_model.columns import COLUMNS
 
 Array = NDArray[np.float64]

@@ -19,7 +19,6 @@ from typing import Any, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.motion.consensus import consensus
 from quickreturn.cases.motion.cycle import EXTREMES, HALVES, VIBRATION, signals_by_half
 from quickreturn.cases.motion.marching import channels_of
 from quickreturn.cases.motion.number import (
@@ -28,12 +27,13 @@ from quickreturn.cases.motion.number import (
     TELLING_OF_FREQUENCIES,
     Number,
     Verdict,
+    consensus,
     or_nan,
 )
 from quickreturn.cases.motion.request import Run
 from quickreturn.cases.motion.settling import GRID, on_common_grid
 from quickreturn.cases.motion.time_scale import CHANNELS
-from quickreturn.engines.relative import rms
+from quickreturn.engines.trajectory import rms
 from quickreturn.reference_model.columns import COLUMNS
 
 Array = NDArray[np.float64]

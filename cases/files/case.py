@@ -5,13 +5,11 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
-from quickreturn.cases.files.copies import in_words, name_of_copy
-from quickreturn.cases.files.document import Document, check_mapping, header_of, read_document
+from quickreturn.cases.files.document import Document, check_mapping, header_of, in_words, name_of_copy, read_document
 from quickreturn.cases.files.errors import CaseError
 from quickreturn.cases.files.keys import PATHS, PLUS_MINUS, shown_value
-from quickreturn.cases.files.printable import Cell, Printable, Rows
 from quickreturn.cases.files.reading import in_si, read
-from quickreturn.cases.files.shown import Units, units_named, units_of
+from quickreturn.cases.files.shown import Cell, Printable, Rows, Units, units_named, units_of
 from quickreturn.cases.files.written import as_toml
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.scene_values import Changes, changed_values, values_of

@@ -1,6 +1,6 @@
 """The exception for a mistake in a case, a data file or an override, and the form of its message."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from difflib import SequenceMatcher
 from typing import Any, ParamSpec, TypeVar
 
@@ -126,3 +126,16 @@ def nearest_or_all(given: str, known: Sequence[str], within: str = "") -> str:
 
 def _resemblance(given: str, name: str) -> float:
     return SequenceMatcher(None, given[:_LONGEST_VALUE].lower(), name.lower()).ratio()
+
+
+class UnknownColumn(ToldError, LookupError):
+    """No such column; the text is one sentence with the nearest known one."""
+
+
+def known_column(name: str, columns: Mapping[str, Any]) -> str:
+    """`name` itself. Raises UnknownColumn if it is the name of none of these columns."""
+    if not isinstance(name, str):
+        raise UnknownColumn(f'{as_written(name)}: no name of a column; give one after the other, such as "tip_deflection"')
+    if name not in columns:
+        raise UnknownColumn(f"{as_written(name)}: no such column; {nearest_or_all(name, tuple(columns))}")
+    return name

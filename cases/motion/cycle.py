@@ -9,12 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from quickreturn.cases.motion.consensus import Consensus, consensus
 from quickreturn.cases.motion.extremes import extremes, low_pass
-from quickreturn.cases.motion.first_mode import FirstMode, fit_first_modes
+from quickreturn.cases.motion.first_mode import FirstMode, agreeing, fit_first_modes, second_mode_frequency
 from quickreturn.cases.motion.half_cycle import SAMPLES, ChannelHalf, channel_half, half_cycle
-from quickreturn.cases.motion.number import Number, or_nan
-from quickreturn.cases.motion.second_mode import agreeing, second_mode_frequency
+from quickreturn.cases.motion.number import Consensus, Number, consensus, or_nan
 from quickreturn.cases.motion.time_scale import TimeScale
 from quickreturn.engines.error_parts import ErrorPart
 

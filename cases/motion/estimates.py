@@ -26,9 +26,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.motion.consensus import Consensus
 from quickreturn.cases.motion.cycle import EXTREMES, VIBRATION, ChannelMeasures, CycleMeasures, measure_cycles
 from quickreturn.cases.motion.marching import channels_of, mean_measures
+from quickreturn.cases.motion.number import Consensus
 from quickreturn.cases.motion.of_turn import OfTurn, at_shaft, crank_damping, declared, rms_over_time
 from quickreturn.cases.motion.settling import GRID, on_common_grid
 from quickreturn.cases.motion.time_scale import CHANNELS, time_scale

@@ -31,7 +31,7 @@ from quickreturn.engines.start import Start, standard_start
 from quickreturn.reference_model.mechanism import Mechanism
 
 if TYPE_CHECKING:
-    from quickreturn.engines.own.found_orbit import FoundOrbit
+    from quickreturn.engines.own.simulation import FoundOrbit
 
 Array = NDArray[np.float64]
 

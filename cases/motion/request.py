@@ -7,11 +7,10 @@ from typing import Any, Final
 
 import numpy as np
 
-from quickreturn.cases.motion.consensus import Consensus
 from quickreturn.cases.motion.cycle import EXTREMES, ChannelMeasures
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.estimates import MeasuredNumbers
-from quickreturn.cases.motion.number import Number, or_nan
+from quickreturn.cases.motion.number import Consensus, Number, or_nan
 from quickreturn.cases.motion.of_turn import rms_over_time
 from quickreturn.cases.motion.orbit import Orbit
 from quickreturn.cases.motion.settling import Outlook

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 from quickreturn.cases.running.job import Job, Outcome
 from quickreturn.cases.running.records import can_be_stored
 from quickreturn.engines import progress
-from quickreturn.engines.accurate import Result
+from quickreturn.engines.accurate import Result, simulate
 from quickreturn.engines.base import AnyEngine, EngineFailure
-from quickreturn.engines.natural_frequencies import natural_frequencies
+from quickreturn.engines.one_run import natural_frequencies
 from quickreturn.engines.registry import usable_engine
-from quickreturn.engines.scene import simulate_scene
+from quickreturn.engines.start import standard_start
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 
 if TYPE_CHECKING:
@@ -52,12 +52,12 @@ def answer_to(request: TrajectoryRequest) -> Answer:
 
     Raises:
         UnknownEngine, Refusal: there is no usable engine.
-        ValueError, Refusal, SettingError: as `engines.scene.simulate_scene`.
+        ValueError, Refusal, SettingError: as `engines.accurate.simulate`.
     """
     chosen = usable_engine(request.engine) if isinstance(request.engine, str) else request.engine
     how = request.settings, request.accuracy, request.estimate, request.time_limit
     try:
-        result = simulate_scene(chosen, request.scene, request.duration, request.output_step, *how)
+        result = simulate(chosen, request.scene, standard_start(request.scene), request.duration, request.output_step, *how)
     except EngineFailure as failure:
         return chosen.version(), EngineFailure(
             failure.time, failure.cause, failure.advice, failure.partial
@@ -97,7 +97,7 @@ def frequencies_job(
 def frequencies_at(
     mechanism: Mechanism, engine: str | AnyEngine, crank_angles: Sequence[float], count: int, settings: Mapping[str, str]
 ) -> Frequencies:
-    """See `frequencies_job`. Raises UnknownEngine, Refusal, SettingError, and EngineFailure as `engines.natural_frequencies`."""
+    """See `frequencies_job`. Raises UnknownEngine, Refusal, SettingError, and EngineFailure as `engines.one_run`."""
     chosen = usable_engine(engine) if isinstance(engine, str) else engine
     chosen.check(mechanism)
     used = chosen.settings_for(chosen.default_accuracy, mechanism).with_texts(dict(settings))

@@ -13,7 +13,7 @@ from quickreturn.cases.motion.endings import Ending
 from quickreturn.engines.error_parts import Compared
 
 if TYPE_CHECKING:
-    from quickreturn.engines.own.found_orbit import FoundOrbit
+    from quickreturn.engines.own.simulation import FoundOrbit
 
 #: Statuses of motions that are not settled: how they lose their stability (fold, period doubling or torus), or that it is not known.
 UNSTABLE: Final = "unstable: {}"

@@ -38,8 +38,8 @@ from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import AnyEngine, EngineFailure, NoSteadyState, Refusal, SteadyState
 from quickreturn.engines.error_parts import Compared, NoEstimate, all_compared
 from quickreturn.engines.one_run import CompletedRun, Remembered, raised
-from quickreturn.engines.own.found_orbit import FoundOrbit
 from quickreturn.engines.own.reference import ReferenceSettings
+from quickreturn.engines.own.simulation import FoundOrbit
 from quickreturn.engines.registry import engine as engine_of_name
 from quickreturn.engines.settings import SettingError, Settings, as_texts
 from quickreturn.engines.start import Start

@@ -11,10 +11,9 @@ from typing import Final
 
 from distributed import Client, KilledWorker, Status, get_worker
 
-from quickreturn.cases.running.isolation import isolated
+from quickreturn.cases.running.isolation import computed, isolated
 from quickreturn.cases.running.job import ExecutorError, Job, Limits, Outcome, V, Watch, default_limits
 from quickreturn.cases.running.key import LIBRARIES, SIMULATION, code_fingerprint, key_of, library_version, version_of
-from quickreturn.cases.running.processes import computed
 from quickreturn.engines.base import first_line
 from quickreturn.engines.registry import own_engines
 

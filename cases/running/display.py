@@ -16,7 +16,7 @@ from quickreturn.cases.running.job import Executor, Job, Outcome, T
 from quickreturn.engines import progress as progress_of_engines
 from quickreturn.engines.progress import Progress
 from quickreturn.reference_model.native import cache_folder
-from quickreturn.reference_model.native.turn import waits_for
+from quickreturn.reference_model.native.cache_folder import waits_for
 
 
 class Tally:

@@ -40,7 +40,7 @@ PRELOAD: Final = (
 )
 
 #: Instead of these, those for processes that describe engines, and for those that simulate with them.
-DESCRIBING: Final = ("quickreturn.cases.running.worker", "quickreturn.engines.registry", "quickreturn.engines.scene")
+DESCRIBING: Final = ("quickreturn.cases.running.worker", "quickreturn.engines.registry", "quickreturn.engines.accurate")
 COMPUTING: Final = (*DESCRIBING, "quickreturn.cases.motion.solving", "quickreturn.engines.own.simulation")
 
 _LOCK: Final = threading.Lock()

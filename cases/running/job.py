@@ -1,10 +1,15 @@
-"""Jobs, their limits, executors, progress and outcomes."""
+"""Jobs, their limits, executors, progress and outcomes.
+
+`ThisProcess` computes jobs in the caller's own process: definitions of a notebook or a test exist only there.
+"""
 
 import os
+import time
 from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, Generic, Protocol, TypeVar
 
+from quickreturn.engines import progress
 from quickreturn.reference_model.errors import OF_THE_MACHINE, ToldError
 
 if TYPE_CHECKING:
@@ -51,7 +56,7 @@ class Job(Generic[T]):
     # whether it is one of many short jobs whose processes would take longer to start than to compute. A process may do several of them one
     # after the other. A crash or hang loses only its own job and the process.
     brief: bool = False
-    pieces: bool = False  # whether its function takes `cases.running.pieces.Pieces` as a last argument; it gets them where there is a store
+    pieces: bool = False  # whether its function takes `records.Pieces` as a last argument; it gets them where there is a store
     points: int = 1  # weight of the job in the display of progress
     lasts: Callable[["Outcome[Any]"], bool] | None = would_repeat  # whether an outcome is stored; None: the store is not used
 
@@ -125,3 +130,44 @@ class Executor(Protocol):
             KeyboardInterrupt: Ctrl-C; nothing is left running.
             ExecutorError: the connection to the computing machines is lost, or these have other code than this one.
         """
+
+
+class ThisProcess:
+    """The executor without processes. Limits do not apply, and a job that crashes ends the caller."""
+
+    at_once = 1
+    limits = Limits()
+
+    def __init__(self, quiet: bool = True) -> None:
+        self.quiet = quiet
+
+    def run(self, jobs: Sequence[Job[V]], watch: Watch | None = None) -> Generator[Outcome[V], None, None]:
+        """See `cases.running.job.Executor`."""
+        for job in jobs:
+            if watch is not None:
+                watch(job, None)
+                progress.listen(lambda how_far, job=job, watch=watch: watch(job, how_far))  # type: ignore[misc]
+            try:
+                yield done(job)
+            finally:
+                if watch is not None:
+                    progress.listen(None)
+
+
+class Nobody:
+    """The executor that computes nothing: jobs that are not stored are reported as missing."""
+
+    at_once, limits, quiet = 1, Limits(), True
+
+    def run(self, jobs: Sequence[Job[V]], watch: Watch | None = None) -> Generator[Outcome[V], None, None]:
+        """See `cases.running.job.Executor`."""
+        yield from (Outcome(job, failure=MISSING) for job in jobs)
+
+
+def done(job: Job[V]) -> Outcome[V]:
+    """The outcome of a job in this process."""
+    began = time.monotonic()
+    try:
+        return Outcome(job, job.function(*job.arguments), seconds=time.monotonic() - began)
+    except Exception as error:
+        return Outcome(job, failure=f"raised {type(error).__name__}: {error}", error=error, seconds=time.monotonic() - began)

@@ -2,21 +2,25 @@
 
 Results may consist of dataclasses, tuples, lists, mappings from texts, None, texts, numbers with infinities, numpy arrays, bytes, and
 unions of these; of several dataclasses the first that takes a record counts. NaN is not a result: the store refuses it.
+
+`Pieces` of a long job are stored while it runs, so that a job that is stopped goes on where it was the next time.
 """
 
 import contextlib
 import dataclasses
 import json
 import math
-from collections.abc import Mapping, Sequence
-from functools import cache
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache, cached_property
+from pathlib import Path
 from types import NoneType, UnionType
-from typing import Any, Final, Union, get_args, get_origin, get_type_hints
+from typing import Any, Final, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.running.store import Record
+from quickreturn.cases.running.store import Record, Store, StoreError
 
 _ARRAY: Final = "$array"
 _BYTES: Final = "$bytes"
@@ -97,3 +101,45 @@ def _parts_of(kind: Any) -> tuple[Any, tuple[Any, ...], dict[str, Any] | None]:
         return get_origin(kind), arguments, None
     hints = get_type_hints(kind)
     return get_origin(kind), arguments, {field.name: hints[field.name] for field in dataclasses.fields(kind)}
+
+
+P = TypeVar("P")
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """The pieces of one job in a store.
+
+    A worker on another machine has no such folder, and keeps nothing.
+    """
+
+    folder: str  # path of the store
+    key: str  # of the job
+
+    def piece(self, number: int, kind: type[P], compute: Callable[[], P]) -> P:
+        """A piece from the store, or else computed and stored.
+
+        Args:
+            number: of the piece, which together with the job determines it.
+            kind: its type, a dataclass.
+            compute: computes it.
+        """
+        if self._store is None:
+            return compute()
+        key = f"{self.key}-{number}"
+        if (record := self._store.get(key)) is not None:
+            try:
+                return decoded(kind, replace(record, document=record.document["piece"]))
+            except (TypeError, ValueError, KeyError) as error:
+                self._store.note_damage(key, f"cannot be read ({error})")
+        value = compute()
+        record = encoded(value)
+        self._store.put(key, replace(record, document={"piece": record.document}))
+        return value
+
+    @cached_property
+    def _store(self) -> Store | None:
+        try:
+            return Store(Path(self.folder)) if Path(self.folder).is_dir() else None
+        except StoreError:
+            return None

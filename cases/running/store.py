@@ -13,6 +13,7 @@ import hashlib
 import io
 import json
 import os
+import secrets
 import tempfile
 import time
 import zipfile
@@ -24,8 +25,27 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.files.whole_file import words_of, write_atomically
 from quickreturn.reference_model.errors import ToldError
+
+
+def write_atomically(path: Path, content: bytes) -> None:
+    """Write a file completely or, on any failure, leave the old one. OSError: it cannot be written."""
+    temporary = path.with_name(f".{path.name}.{secrets.token_hex(4)}.part")
+    try:
+        with temporary.open("xb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        temporary.replace(path)
+    except BaseException:
+        temporary.unlink(missing_ok=True)
+        raise
+
+
+def words_of(error: OSError) -> str:
+    """The system's message, in lower case."""
+    return (error.strerror or str(error)).lower()
+
 
 #: Environment variable that names the folder.
 VARIABLE: Final = "QUICKRETURN_STORE"

@@ -10,17 +10,15 @@ from dataclasses import dataclass, field, replace
 from typing import Any, get_type_hints
 
 from quickreturn.cases.running.display import answers, watched
-from quickreturn.cases.running.in_process import Nobody
-from quickreturn.cases.running.job import Executor, Job, Outcome, T
+from quickreturn.cases.running.job import Executor, Job, Nobody, Outcome, T
 from quickreturn.cases.running.key import key_of
-from quickreturn.cases.running.pieces import Pieces
-from quickreturn.cases.running.records import decoded, encoded
+from quickreturn.cases.running.records import Pieces, decoded, encoded
 from quickreturn.cases.running.store import Record, Store
 
 
 def _processes() -> Executor:
     """Processes of this machine, imported on first use, so that a notebook need not wait."""
-    from quickreturn.cases.running.processes import LocalProcesses
+    from quickreturn.cases.running.isolation import LocalProcesses
 
     return LocalProcesses()
 

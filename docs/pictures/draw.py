@@ -14,19 +14,19 @@ from PIL import Image
 
 from quickreturn.cases.comparison.campaign import cross_validate
 from quickreturn.cases.files.case import Case
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.plugins.methods import drawing as methods
 from quickreturn.plugins.methods.studies import recorded
 from quickreturn.plugins.studies.drawing import resonance
 from quickreturn.plugins.studies.drawing import study as study_plot
-from quickreturn.plugins.studies.resonance_curve.range import SPEED, range_of
+from quickreturn.plugins.studies.resonance_curve.curve import SPEED, range_of
 from quickreturn.plugins.studies.resonance_curve.search import job
 from quickreturn.plugins.studies.sweep.grid import Grid, axis
 from quickreturn.plugins.studies.sweep.rows import MeasureRequest
 from quickreturn.plugins.studies.sweep.study import study
-from quickreturn.plugins.thesis.experiment.published import printed_ranges
+from quickreturn.plugins.thesis.experiment import printed_ranges
 from quickreturn.reports.drawing import cycle
 from quickreturn.reports.drawing.style import new_figure, picture
 

@@ -7,14 +7,16 @@ import sys
 from importlib.metadata import version as installed_version
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parent))  # the extensions beside this file
+from sphinx.application import Sphinx
+
+sys.path.insert(0, str(Path(__file__).parent))  # the extension beside this file
 
 project = "quickreturn"
 author = "The quickreturn developers"
 copyright = "2026, the quickreturn developers"
 version = release = installed_version("quickreturn")
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "docstrings", "formulas", "front_page"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "extension"]
 root_doc = "README"
 include_patterns = [
     "README.md",
@@ -66,3 +68,14 @@ html_css_files = ["site.css"]
 html_extra_path = ["static/index.html"]
 html_copy_source = False
 html_show_sphinx = False
+
+
+def add_contents(app: Sphinx, page: str, source: list[str]) -> None:
+    """Append the table of contents, which a code host would not render, to the front page as it is read."""
+    if page == app.config.root_doc:
+        source[0] += "\n" + Path(__file__).with_name("contents.md").read_text("utf-8")
+
+
+def setup(app: Sphinx) -> None:
+    """Have the front page completed."""
+    app.connect("source-read", add_contents)

@@ -11,7 +11,7 @@ from quickreturn.engines.start import Start
 from quickreturn.reference_model.joint import joint_in_words
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Scene, TorqueDrive
 from quickreturn.reference_model.spring import spring_tension
-from quickreturn.reference_model.tip_force import constants, slide_friction, tool_force
+from quickreturn.reference_model.tip import slide_friction, tool_constants, tool_force
 
 exu.config.printToConsole = False  # the command line prints JSON on stdout and nothing else there
 exu.config.suppressWarnings = True
@@ -125,7 +125,7 @@ class Assembly:
         tip = self.scene.tip
         if tip is None:
             return
-        given = tuple(constants(tip).values())
+        given = tuple(tool_constants(tip).values())
 
         def acting(mbs: Any, _time: float, _load: Any) -> Any:
             share, *force = tool_force(mbs.GetNodeOutput(crank_node, exu.OutputVariableType.Rotation)[2], *given)

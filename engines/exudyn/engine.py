@@ -108,8 +108,7 @@ class ExudynEngine(Engine[ExudynSettings]):
         """Build the system in the state `start`; see `Engine.prepare`."""
         self._check(scene, settings)
         from quickreturn.engines.exudyn.models import model_of
-        from quickreturn.engines.exudyn.simulation import ExudynSimulation
-        from quickreturn.engines.exudyn.table import ExtrapolatedSimulation, PassingSimulation
+        from quickreturn.engines.exudyn.simulation import ExtrapolatedSimulation, ExudynSimulation, PassingSimulation
 
         units = Units.of(scene)
         if settings.joint == ladder.SLIDING:
@@ -127,11 +126,11 @@ class ExudynEngine(Engine[ExudynSettings]):
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ExudynSettings) -> NDArray[np.float64]:
         """Frozen-crank frequencies in Hz; none for a rigid follower on a rigid joint. See `Engine.natural_frequencies`."""
         self.check(mechanism)
-        from quickreturn.engines.exudyn import modes
+        from quickreturn.engines.exudyn.models import natural_frequencies
 
         units = Units.of(mechanism)
         elements = max(settings.elements, ELEMENTS_OF_MODES)
-        return modes.natural_frequencies(units.scene(mechanism), crank_angle, count, elements) / units.time
+        return natural_frequencies(units.scene(mechanism), crank_angle, count, elements) / units.time
 
 
 class _SlidingJoint(ExudynEngine):

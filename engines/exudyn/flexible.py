@@ -7,9 +7,7 @@ from numpy.typing import NDArray
 
 from quickreturn.engines.exudyn.assembly import Assembly
 from quickreturn.engines.exudyn.cable import Kink, direction, dot, turned
-from quickreturn.engines.exudyn.construction import add_cable, add_ends, add_nodes, add_weight, cable_of, marker_at
-from quickreturn.engines.exudyn.damping import Dampers
-from quickreturn.engines.exudyn.joint import JointLaw
+from quickreturn.engines.exudyn.construction import Dampers, add_cable, add_ends, add_nodes, add_weight, cable_of, marker_at
 from quickreturn.engines.exudyn.library import items
 from quickreturn.engines.exudyn.record import (
     Hold,
@@ -29,7 +27,7 @@ from quickreturn.engines.exudyn.record import (
     slide_loss,
 )
 from quickreturn.engines.exudyn.settings import SLIDING, ExudynSettings
-from quickreturn.engines.exudyn.slider import add_slider
+from quickreturn.engines.exudyn.slider import JointLaw, add_slider
 from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import StartState
 from quickreturn.reference_model.columns import MOMENTS, PLACES

@@ -11,8 +11,7 @@ from quickreturn.engines.exudyn.cable import Cable, dot, turned
 from quickreturn.reference_model.columns import PLACES, SHAPE
 from quickreturn.reference_model.mechanism import TorqueDrive
 from quickreturn.reference_model.spring import Pull, Spring, pull_of, spring_energy
-from quickreturn.reference_model.tip import Tip
-from quickreturn.reference_model.tip_force import slide_friction, tip_force
+from quickreturn.reference_model.tip import Tip, slide_friction, tip_force
 
 Array = NDArray[np.float64]
 #: Values with their first and second derivatives in time.
@@ -40,7 +39,7 @@ class Model(Protocol):
     drive_equation: int | None = None
 
     def prepare_stretch(self, coordinates: Array, rates: Array, duration: float) -> None:
-        """Set what stays constant over the next stretch of the simulation, `duration` (s) long, at most `damping.longest_stretch`."""
+        """Set what stays constant over the next stretch of the simulation, `duration` (s) long, at most `construction.longest_stretch`."""
         return
 
     def slider_position(self, coordinates: Array) -> float | None:

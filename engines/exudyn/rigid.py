@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.engines.exudyn.assembly import CARRIAGE, CARRIAGE_MASS, Assembly
-from quickreturn.engines.exudyn.joint import JointLaw
 from quickreturn.engines.exudyn.library import exu, items
 from quickreturn.engines.exudyn.record import (
     Hold,
@@ -24,6 +23,7 @@ from quickreturn.engines.exudyn.record import (
     slide_loss,
     swing,
 )
+from quickreturn.engines.exudyn.slider import JointLaw
 from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import StartState
 from quickreturn.reference_model.columns import SHAPE

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from quickreturn.engines import refusals
 from quickreturn.engines.base import FRICTION, HELD, ROLLERS, SPIN_UP, TOOL, USUAL, Comparison, Engine, ModelDescription, Simulation
-from quickreturn.engines.mujoco import description, installation
-from quickreturn.engines.mujoco.settings import ARMATURE, LADDER, MOST_LINKS, STIFFEST_ARMATURE, ChainSettings
+from quickreturn.engines.mujoco import installation
+from quickreturn.engines.mujoco.settings import ARMATURE, LADDER, MOST_LINKS, STIFFEST_ARMATURE, ChainSettings, description_of, hinge_count
 from quickreturn.engines.start import Start
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.natural_modes import stiffness_ratio
@@ -60,7 +60,7 @@ class MujocoEngine(Engine[ChainSettings]):
         refusals.of_massless_parts(self.name, scene, ", whose links need mass")
 
     def describe(self, scene: Scene, settings: ChainSettings) -> ModelDescription:
-        return description.describe(scene, description.hinge_count(scene, settings.links))
+        return description_of(scene, hinge_count(scene, settings.links))
 
     def settings_for(self, accuracy: float, scene: Scene) -> ChainSettings:
         """The coarsest rung that claims `accuracy`: the stiffer the follower, the fewer links, and the more armature, for larger steps."""
@@ -97,9 +97,9 @@ class MujocoEngine(Engine[ChainSettings]):
 
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ChainSettings) -> NDArray[np.float64]:
         self.check(mechanism)
-        from quickreturn.engines.mujoco import modes
+        from quickreturn.engines.mujoco.chain import natural_frequencies
 
-        return modes.natural_frequencies(mechanism, crank_angle, count, settings.links)
+        return natural_frequencies(mechanism, crank_angle, count, settings.links)
 
 
 def _without_common_divisor(least: float, number: int) -> int:

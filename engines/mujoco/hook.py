@@ -19,12 +19,23 @@ from quickreturn.engines.mujoco.centre_line import (
     row_of_gap,
     row_of_sliding,
 )
-from quickreturn.engines.mujoco.context import CONTEXT, TIME_AND_USERDATA, Array, Context, Points, compiled, dot, numbers
-from quickreturn.engines.mujoco.native import mj_get_state, mj_solve_mass, pointer
+from quickreturn.engines.mujoco.context import (
+    CONTEXT,
+    TIME_AND_USERDATA,
+    Array,
+    Context,
+    Points,
+    compiled,
+    dot,
+    mj_get_state,
+    mj_solve_mass,
+    numbers,
+    pointer,
+)
 from quickreturn.reference_model import joint, spring
+from quickreturn.reference_model.mechanism import base_motion as motion_of_base
 from quickreturn.reference_model.native.compilation import callback
-from quickreturn.reference_model.spin_up import base_motion as motion_of_base
-from quickreturn.reference_model.tip_force import STILL, tool_force
+from quickreturn.reference_model.tip import STILL, tool_force
 
 tool_at, base_motion = compiled(tool_force), compiled(motion_of_base)
 joint_force, friction_share = compiled(joint.joint_force), compiled(joint.friction_share)

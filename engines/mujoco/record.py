@@ -6,9 +6,19 @@ from typing import Any
 import numpy as np
 
 from quickreturn.engines.mujoco.centre_line import centre_line_coefficients, crank_of, link_directions, link_rates
-from quickreturn.engines.mujoco.context import TIME_AND_USERDATA, Array, Context, Points, compiled, dot, numbers
+from quickreturn.engines.mujoco.context import (
+    TIME_AND_USERDATA,
+    Array,
+    Context,
+    Points,
+    compiled,
+    dot,
+    mj_energy_position,
+    mj_energy_velocity,
+    mj_get_state,
+    numbers,
+)
 from quickreturn.engines.mujoco.hook import force_on_tip, pivot_friction
-from quickreturn.engines.mujoco.native import mj_energy_position, mj_energy_velocity, mj_get_state
 from quickreturn.reference_model import joint, spring
 from quickreturn.reference_model.columns import PLACES
 

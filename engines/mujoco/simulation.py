@@ -12,19 +12,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.engines.base import EngineFailure, Simulation
-from quickreturn.engines.mujoco import chain, modes, time_loop
+from quickreturn.engines.mujoco import chain, time_loop
+from quickreturn.engines.mujoco.chain import stable_step
 from quickreturn.engines.mujoco.context import CONTEXT
-from quickreturn.engines.mujoco.description import hinge_count
 from quickreturn.engines.mujoco.hook import control_hook
-from quickreturn.engines.mujoco.settings import ChainSettings
+from quickreturn.engines.mujoco.settings import ChainSettings, hinge_count
 from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import reconstruct
 from quickreturn.engines.trajectory import Trajectory, trajectory_type
 from quickreturn.engines.units import Units
-from quickreturn.reference_model import tip_force
 from quickreturn.reference_model.columns import ROW, by_column, recorded_columns
 from quickreturn.reference_model.joint import rollers
 from quickreturn.reference_model.mechanism import Mechanism, Scene, TorqueDrive
+from quickreturn.reference_model.tip import tool_constants
 
 Array = NDArray[np.float64]
 
@@ -57,7 +57,7 @@ class ChainSimulation(Simulation):
         self._past = np.zeros((2, self._model.nv))
         self._data.userdata[0] = self._context.ctypes.data
         self._gauges = np.array(scene.follower.strain_gauges)
-        self._relative_step, self._stable_step = settings.step, modes.stable_step(self._model, scene, self._hinges)
+        self._relative_step, self._stable_step = settings.step, stable_step(self._model, scene, self._hinges)
         if start is not None:
             self._place(self._units.start(start))
         self.setup_seconds = time.perf_counter() - began
@@ -175,7 +175,7 @@ def _hinge_angles(tangents: Array) -> Array:
 
 def _context(scene: Scene, hinges: int, data: mujoco.MjData) -> tuple[NDArray[np.void], Array]:
     """The `CONTEXT` of a scene, shape (1,), and an array to which it has the address."""
-    follower, context, tool = scene.follower, np.zeros(1, CONTEXT), tip_force.constants(scene.tip_body)
+    follower, context, tool = scene.follower, np.zeros(1, CONTEXT), tool_constants(scene.tip_body)
     table = tool.pop("force_table")
     values: dict[str, Any] = {
         "qpos": data.qpos.ctypes.data,

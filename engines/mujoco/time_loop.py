@@ -8,9 +8,22 @@ import numpy as np
 from numba import types
 
 from quickreturn.engines.mujoco.centre_line import crank_of, find_slider, link_directions, rate_of, row_of_gap
-from quickreturn.engines.mujoco.context import ADDRESS, CONTEXTS, TIME_AND_USERDATA, VECTOR, Array, Context, compiled, entry, numbers
+from quickreturn.engines.mujoco.context import (
+    ADDRESS,
+    CONTEXTS,
+    TIME_AND_USERDATA,
+    VECTOR,
+    Array,
+    Context,
+    compiled,
+    entry,
+    mj_euler,
+    mj_forward,
+    mj_get_state,
+    mj_solve_mass,
+    numbers,
+)
 from quickreturn.engines.mujoco.hook import base_motion
-from quickreturn.engines.mujoco.native import mj_euler, mj_forward, mj_get_state, mj_solve_mass
 from quickreturn.engines.mujoco.record import record
 from quickreturn.reference_model.columns import ROW
 

@@ -29,19 +29,18 @@ from quickreturn.engines.own.beam_engine import (
 )
 from quickreturn.engines.settings import setting
 from quickreturn.engines.start import Start
-from quickreturn.reference_model import slider_constraint
-from quickreturn.reference_model.base_moment import needs_base_shape
+from quickreturn.reference_model import joint
+from quickreturn.reference_model.beam.modes import needs_base_shape
 from quickreturn.reference_model.constants import unslowed
-from quickreturn.reference_model.joint import friction_in_words, joint_in_words, rollers
+from quickreturn.reference_model.joint import CLOSED, MULTIPLIER, SliderConstraint, friction_in_words, joint_in_words, rollers
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.natural_modes import frozen_crank_modes, stiffness_ratio
 from quickreturn.reference_model.rigid import crank_pace
 from quickreturn.reference_model.scene_values import changed
-from quickreturn.reference_model.slider_constraint import CLOSED, MULTIPLIER, SliderConstraint
 from quickreturn.reference_model.state import State
 
 if TYPE_CHECKING:
-    from quickreturn.engines.own.found_orbit import FoundOrbit
+    from quickreturn.engines.own.simulation import FoundOrbit
     from quickreturn.engines.trajectory import Trajectory
     from quickreturn.reference_model.model import BeamModel
 
@@ -164,7 +163,7 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         constraint = CLOSED
         if not scene.slider.is_rigid:
             inertia = joint_inertia(scene, settings.modes) if scene.slider.is_linear else 0.0
-            constraint = SliderConstraint(kind=slider_constraint.ROLLERS, rollers=rollers(scene.slider), inertia=inertia)
+            constraint = SliderConstraint(kind=joint.ROLLERS, rollers=rollers(scene.slider), inertia=inertia)
         elif scene.slider.has_friction:
             constraint = SliderConstraint(kind=MULTIPLIER, stabilization=STABILIZATION)
         above = BLOW_RESOLVED * rate_of_blow(scene) if scene.slider.has_corners else 0.0
@@ -243,8 +242,7 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         """See `Engine.steady_state`; None for a rigid follower, a compliant joint or friction."""
         if mechanism.follower.is_rigid or self.opens_loop(mechanism):
             return None
-        from quickreturn.engines.own.found_orbit import FoundOrbit
-        from quickreturn.engines.own.simulation import OwnSimulation
+        from quickreturn.engines.own.simulation import FoundOrbit, OwnSimulation
         from quickreturn.reference_model.cycles.periodic import NoPeriodicOrbit, PeriodicOrbit, periodic_orbit
         from quickreturn.reference_model.cycles.poincare import turn_to
         from quickreturn.reference_model.model import BeamModel

@@ -1,19 +1,21 @@
-"""A running simulation of one of this project's models."""
+"""A running simulation of one of this project's models, and the periodic steady state that a direct search finds."""
 
 import math
 import time
+from dataclasses import dataclass
 from typing import Any, Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.engines.base import EngineFailure, Simulation
+from quickreturn.engines.base import EngineFailure, NoSteadyState, Simulation, SteadyState
 from quickreturn.engines.start import Start
 from quickreturn.engines.trajectory import Trajectory, trajectory_type
 from quickreturn.reference_model.columns import JOINT_COLUMNS
-from quickreturn.reference_model.integration import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STEP_TOO_SMALL, TOO_MANY_CALLS, Integration
+from quickreturn.reference_model.cycles.periodic import NoPeriodicOrbit, PeriodicOrbit, largest_multiplier
+from quickreturn.reference_model.integrate import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STEP_TOO_SMALL, TOO_MANY_CALLS, Integration
+from quickreturn.reference_model.joint import CHORDS, LEVER
 from quickreturn.reference_model.model import BeamModel, ObservationFailed
-from quickreturn.reference_model.slider_constraint import CHORDS, LEVER
 from quickreturn.reference_model.state import BY_JOINT, State
 
 Array = NDArray[np.float64]
@@ -135,3 +137,31 @@ class OwnSimulation(Simulation):
             statistics["spurious_energy_moved"] = float(np.trapezoid(np.abs(power), dx=output_step))
             statistics["largest_spurious_power"] = float(np.max(np.abs(power)))
         return statistics
+
+
+@dataclass(frozen=True)
+class FoundOrbit(SteadyState):
+    """A periodic steady state of the explicit model."""
+
+    simulation: OwnSimulation  # as in `SteadyState`
+    orbit: PeriodicOrbit  # what the search found
+
+    def simulation_again(self) -> OwnSimulation:
+        """A new simulation in this state, so that the original one stays in it."""
+        original = self.simulation
+        return OwnSimulation(original.model, self.orbit.state, original.tolerance, original.setup_seconds)
+
+    @property
+    def start(self) -> Start:
+        """The same state as a start for any engine."""
+        start = self.simulation_again().present_start()
+        assert start is not None
+        return start
+
+    def whole_multiplier(self) -> complex:
+        """The largest multiplier by derivatives of the whole model. NoSteadyState: a cycle is broken."""
+        assert isinstance(self.simulation.model, BeamModel)
+        try:
+            return largest_multiplier(self.simulation.model, self.orbit, self.simulation.tolerance)
+        except NoPeriodicOrbit as reason:
+            raise NoSteadyState(str(reason)) from reason

@@ -1,15 +1,65 @@
 """As users build it: run 24 by the means of other programs, with their own joints, contacts and integrators."""
 
+import json
+import subprocess
+import sys
 from collections.abc import Callable, Sequence
-from typing import Final
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, Final
 
-from quickreturn.plugins.as_built.constructions import Construction, built
-from quickreturn.reports.long_studies import about
+from quickreturn.cases.running.workshop import Workshop
+from quickreturn.reports.long_studies import about, table
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.part import Part
-from quickreturn.reports.tables.table import Cell, Column, Mark, Table
+from quickreturn.reports.tables import Cell, Column, Mark, Table
 from quickreturn.reports.words import TIED, counted, duration, listed, number, percent, percents, size
+
+#: The programs' scripts. They stand in the checkout alone, and so does the record that is made from them.
+SCRIPTS: Final = Path(__file__).resolve().parents[2] / "examples" / "as_built"
+
+
+@dataclass(frozen=True)
+class Construction:
+    """A construction beside the converged solution; no numbers where the program lost the motion."""
+
+    name: str  # unique among all programs
+    program: str  # with its version
+    end: float = 2.0  # of the motion, s; less than the 2 s asked if the program lost it
+    error: float | None = None  # of the tip deflection, RMS of the difference over RMS
+    peak: float | None = None  # largest tip deflection over the true one, less 1
+    frequency: float | None = None  # of the first mode, with the crank held, over the true one, less 1
+    damping: float | None = None  # its damping ratio
+    gap: float | None = None  # largest distance of the crank's pin and the centre line, m
+    seconds: float | None = None  # processor time of the solve
+
+    @property
+    def lost(self) -> bool:
+        """Whether the program lost the motion."""
+        return self.error is None
+
+
+def constructions(names: Sequence[str] = ()) -> list[Construction]:
+    """Those named, or all of the programs that are installed, computed in a process of its own."""
+    script = [sys.executable, str(SCRIPTS / "measure.py"), "--rows", *names]
+    with TemporaryDirectory() as folder:  # MuJoCo writes a log file into it
+        done = subprocess.run(script, cwd=folder, capture_output=True, text=True, check=True)
+    return [Construction(**json.loads(line)) for line in done.stdout.splitlines() if line.startswith("{")]
+
+
+def built() -> list[Construction]:
+    """The recorded constructions."""
+    return table("as_built", Construction)
+
+
+def rows(workshop: Workshop) -> dict[str, Sequence[Any]]:
+    """Rows that record them; those of programs that are not installed stay as they were, with the version of the program."""
+    found = constructions() if workshop.computes else []
+    programs = {row.program.split()[0] for row in found}
+    return {"as_built": found and found + [row for row in built() if row.program.split()[0] not in programs]}
+
 
 #: The run that they are of.
 CASE: Final = "thesis-24"
@@ -29,7 +79,7 @@ def as_built(content: Content) -> Chapter | None:
     facts = {
         "of_record": about("as built"),
         "sentences": [each for each in (narrow_words(rows), close_words(rows)) if each],
-        "table": table(rows),
+        "table": table_of(rows),
     }
     return Chapter("as_built", "As users build it", finding(rows), facts)
 
@@ -84,7 +134,7 @@ def _seeming(rows: Sequence[Construction], looks_right: Callable[[Construction],
     return f"{sign} proves nothing: {with_it} {off} off (worst: {worst})."
 
 
-def table(rows: Sequence[Construction]) -> Table:
+def table_of(rows: Sequence[Construction]) -> Table:
     """A row per construction."""
     made = Table(
         "as_built",

@@ -6,5 +6,5 @@ _HERE = "quickreturn.plugins.as_built"
 PLUGIN = Plugin(
     engines={"mujoco-contact": f"{_HERE}.contact.engine:MujocoContactEngine"},
     page=f"{_HERE}.chapter:PAGE",
-    records={"as built": f"{_HERE}.constructions:rows"},
+    records={"as built": f"{_HERE}.chapter:rows"},
 )

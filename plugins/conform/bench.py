@@ -9,18 +9,17 @@ from typing import Any, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.files.printable import Cell, Printable, Rows
+from quickreturn.cases.files.shown import Cell, Printable, Rows
 from quickreturn.engines import progress
+from quickreturn.engines.accurate import check_scene
 from quickreturn.engines.base import AnyEngine, Engine, EngineFailure, Refusal, first_line
 from quickreturn.engines.error_parts import compared
 from quickreturn.engines.one_run import raised_at, run_once
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.registry import usable_engine
-from quickreturn.engines.relative import rms
-from quickreturn.engines.scene import check_scene
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start, standard_start
-from quickreturn.engines.trajectory import REQUIRED, Trajectory
+from quickreturn.engines.trajectory import REQUIRED, Trajectory, rms
 from quickreturn.plugins.conform.scenes import ALONE, BASE, CLAMPED, DURATION, OUTPUT_STEP, PRESCRIBED, SPUN_UP, UNTIL_BENT
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reference_model.mechanism import Mechanism, Scene

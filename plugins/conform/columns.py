@@ -12,8 +12,7 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import minimize_scalar
 
 from quickreturn.engines.base import EngineFailure
-from quickreturn.engines.relative import rms, scale
-from quickreturn.engines.trajectory import REQUIRED
+from quickreturn.engines.trajectory import REQUIRED, rms, scale
 from quickreturn.plugins.conform.bench import (
     DECISIVE,
     Array,

@@ -10,9 +10,8 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from quickreturn.engines.base import EngineFailure
-from quickreturn.engines.relative import rms, scale
 from quickreturn.engines.start import standard_start
-from quickreturn.engines.trajectory import join
+from quickreturn.engines.trajectory import join, rms, scale
 from quickreturn.plugins.conform.bench import (
     Array,
     Bench,

@@ -6,11 +6,11 @@ from typing import Any, Final
 
 import numpy as np
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.engines.error_parts import ESTIMATED
-from quickreturn.engines.relative import relative_error, rms
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.simple import SimpleEngine, SimpleSettings
+from quickreturn.engines.trajectory import relative_error, rms
 from quickreturn.plugins.conform.bench import Array, Bench, Check, Fault, Motion, Unjudged, check_by, solution, uncertainty
 from quickreturn.plugins.conform.columns import examined
 from quickreturn.plugins.conform.quantities import with_everything

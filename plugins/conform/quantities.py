@@ -8,9 +8,9 @@ from typing import Any, Final
 
 import numpy as np
 
+from quickreturn.engines.accurate import check_scene
 from quickreturn.engines.base import EngineFailure, Refusal
-from quickreturn.engines.relative import rms
-from quickreturn.engines.scene import check_scene
+from quickreturn.engines.trajectory import rms
 from quickreturn.plugins.conform.bench import (
     DECISIVE,
     FOLLOWERS,

@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.plugins.derive.rounding import rounding
+from quickreturn.plugins.derive.machine_code import rounding
 from quickreturn.plugins.derive.system import System, column
 from quickreturn.plugins.derive.units import DescriptionError, in_si
 

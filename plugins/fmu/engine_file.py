@@ -14,10 +14,9 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
-from quickreturn.cases.files.broken_toml import toml_of
 from quickreturn.cases.files.errors import CaseError, as_written, attempted, nearest, nearest_or_all, path_shown, together
 from quickreturn.cases.files.number_rows import unit_factor
-from quickreturn.cases.files.text_file import read_text
+from quickreturn.cases.files.text_file import read_text, toml_of
 from quickreturn.cases.files.units import DIMENSIONS, TIME, QuantityError, parse_quantity
 from quickreturn.engines.base import SPIN_UP, AnyEngine
 from quickreturn.engines.registry import Missing

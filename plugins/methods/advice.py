@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from quickreturn.arguments import AnyCase, one_case
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.errors import CaseError
-from quickreturn.cases.files.printable import Cell, Printable, Rows
+from quickreturn.cases.files.shown import Cell, Printable, Rows
 from quickreturn.cases.files.units import in_si
 from quickreturn.computing import checked
 from quickreturn.engines.base import Refusal

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.cases.running.job import Job
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.one_run import compile_seconds

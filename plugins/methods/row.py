@@ -8,9 +8,8 @@ from typing import Any, Final
 from quickreturn.engines.base import AnyEngine
 from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.registry import engine
-from quickreturn.engines.relative import relative_error
 from quickreturn.engines.settings import Settings
-from quickreturn.engines.trajectory import Trajectory
+from quickreturn.engines.trajectory import Trajectory, relative_error
 
 #: Errors at which methods are compared.
 LEVELS: Final = (1e-2, 1e-3, 1e-4)

@@ -16,8 +16,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
-from quickreturn.cases.files.broken_toml import toml_of
 from quickreturn.cases.files.errors import CaseError, as_written
+from quickreturn.cases.files.text_file import toml_of
 from quickreturn.engines.registry import UnknownEngine, engine
 from quickreturn.engines.settings import SettingError, Settings, as_texts
 from quickreturn.plugins.methods.row import LEVELS

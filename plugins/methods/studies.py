@@ -10,8 +10,7 @@ from functools import cache
 from typing import Any, Final
 
 from quickreturn.cases.files.case import Case
-from quickreturn.cases.files.case_file import load_case
-from quickreturn.cases.library import catalogue
+from quickreturn.cases.library import catalogue, load_case
 from quickreturn.cases.library.hard import TAG
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.base import EngineFailure, Refusal

@@ -9,8 +9,7 @@ import time
 from pathlib import Path
 
 from quickreturn.pack.check import PACK, judged
-from quickreturn.plugins.pack.bounds import made, written
-from quickreturn.plugins.pack.problems import PROBLEMS
+from quickreturn.plugins.pack.problems import PROBLEMS, made, written
 
 
 def main(folder: Path, names: list[str]) -> int:

@@ -35,9 +35,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.columns import AXIAL, MOMENTS, PLACES, SHAPE
+from quickreturn.reference_model.interpolation import CubicSpline
 from quickreturn.reference_model.mechanism import Scene
-from quickreturn.reference_model.splines import CubicSpline
-from quickreturn.reference_model.tip_force import slide_friction, tip_force
+from quickreturn.reference_model.tip import slide_friction, tip_force
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.intp]

@@ -14,11 +14,9 @@ from quickreturn.cases.motion.catalogue import MEASURES, numbers
 from quickreturn.cases.motion.number import NO_NUMBER, Number
 from quickreturn.cases.motion.request import Run
 from quickreturn.plugins.strength.measures import EXPONENTS, HARMONICS
-from quickreturn.reports.page.chapter import Chapter
+from quickreturn.reports.page.chapter import Chapter, Plot, Series
 from quickreturn.reports.page.content import Content
-from quickreturn.reports.page.plot import Plot, Series
-from quickreturn.reports.tables.cells import CASE
-from quickreturn.reports.tables.table import Cell, Column, Table
+from quickreturn.reports.tables import CASE, Cell, Column, Table
 from quickreturn.reports.words import TIED, degrees, listed, off_by, percent, quantity
 
 #: Measure -> its name in the page.

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from quickreturn.cases.motion.extremes import ErrorAt, of_column, of_vector
 from quickreturn.cases.motion.number import Number
 from quickreturn.cases.motion.solving import TrajectoryRequest, kept
 from quickreturn.cases.running.job import Job
 from quickreturn.engines.accurate import Result
 from quickreturn.engines.trajectory import Columns
-from quickreturn.plugins.strength.peak import ErrorAt, of_column, of_vector
 from quickreturn.plugins.strength.stress import ArmStress, Factor, arm_stress, axial_stress, safety
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.scene_values import what_moves_nothing

@@ -28,15 +28,14 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.motion.extremes import extremes
+from quickreturn.cases.motion.extremes import extremes, of_vector
 from quickreturn.cases.motion.measure import Measure, SettledMotion, number_of
 from quickreturn.cases.motion.number import NO_NUMBER, Number
 from quickreturn.cases.motion.of_turn import OfTurn, Turn, at_shaft, crank_damping, mean_speed
 from quickreturn.plugins.strength.loads import Loads, loads_in
-from quickreturn.plugins.strength.peak import of_vector
 from quickreturn.plugins.strength.stress import ArmStress
 from quickreturn.reference_model.columns import AXIAL, COLUMNS
-from quickreturn.reference_model.splines import CubicSpline
+from quickreturn.reference_model.interpolation import CubicSpline
 
 Array = NDArray[np.float64]
 

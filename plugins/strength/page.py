@@ -14,13 +14,11 @@ from quickreturn.plugins.strength.case_loads import HARDLY, CaseLoads, loads_on,
 from quickreturn.plugins.strength.loads import UNITS
 from quickreturn.plugins.strength.turn import leading_statements
 from quickreturn.plugins.strength.words import NAMES, Load, axial_words, from_p, name_of, verdict
-from quickreturn.reports.page.answer import accuracies_missed
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
-from quickreturn.reports.page.first_screen import Figure, FirstScreen
+from quickreturn.reports.page.first_screen import Figure, FirstScreen, accuracies_missed
 from quickreturn.reports.page.part import Part, nearness_of
-from quickreturn.reports.tables.cells import CASE
-from quickreturn.reports.tables.table import Cell, Column, ColumnList, Table
+from quickreturn.reports.tables import CASE, Cell, Column, ColumnList, Table
 from quickreturn.reports.words import degrees, listed, number, off_by, quantity, size
 
 #: Places along the arm at which its stress is drawn.

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, Final
 
 from quickreturn.cases.files.case import Case
-from quickreturn.cases.files.printable import Cell
+from quickreturn.cases.files.shown import Cell
 from quickreturn.engines.accurate import Result
 from quickreturn.plugins.strength.arm import missing
 from quickreturn.plugins.strength.loads import UNITS, Loads, loads_job, loads_of_run

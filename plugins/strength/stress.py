@@ -24,7 +24,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.motion.extremes import extremes
+from quickreturn.cases.motion.extremes import ErrorAt, extremes, of_column, peak_of
 from quickreturn.cases.motion.number import Number
 from quickreturn.plugins.strength.arm import (
     ALONG,
@@ -37,7 +37,6 @@ from quickreturn.plugins.strength.arm import (
     left_out,
     missing,
 )
-from quickreturn.plugins.strength.peak import ErrorAt, of_column, peak_of
 from quickreturn.reference_model.columns import AXIAL
 from quickreturn.reference_model.follower import Follower
 from quickreturn.reference_model.mechanism import Scene

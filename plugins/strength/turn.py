@@ -15,7 +15,7 @@ import numpy as np
 from quickreturn.arguments import AnyCase, one_case
 from quickreturn.cases.comparison.engines import REFERENCE, CaseResult
 from quickreturn.cases.files.case import Case
-from quickreturn.cases.files.printable import Cell, Printable
+from quickreturn.cases.files.shown import Cell, Printable
 from quickreturn.cases.motion.catalogue import MEASURES
 from quickreturn.cases.motion.cycle import HALVES
 from quickreturn.cases.motion.endings import Ending
@@ -25,7 +25,7 @@ from quickreturn.cases.motion.request import Run
 from quickreturn.cases.motion.resonance import Resonance, resonance
 from quickreturn.cases.motion.time_scale import quasi_static_strain
 from quickreturn.cross_validation import run as settled_runs
-from quickreturn.engines.relative import rms
+from quickreturn.engines.trajectory import rms
 from quickreturn.plugins.strength.case_loads import HARDLY, share_of, share_words, shift_of_motion
 from quickreturn.plugins.strength.loads import loads_in
 from quickreturn.plugins.strength.words import from_p, tension_or_compression

@@ -21,8 +21,7 @@ from quickreturn.cases.motion.stability import UNSTABLE
 from quickreturn.cases.running.job import Job
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.base import Refusal
-from quickreturn.plugins.studies.resonance_curve.curve import ResonanceCurve, ResonancePeak, SpecialPoint
-from quickreturn.plugins.studies.resonance_curve.range import SPEED
+from quickreturn.plugins.studies.resonance_curve.curve import SPEED, ResonanceCurve, ResonancePeak, SpecialPoint
 from quickreturn.plugins.studies.resonance_curve.search import PROMINENT, job_around
 from quickreturn.plugins.studies.uncertainty.parameters import Parameter
 from quickreturn.reference_model.rigid import mean_crank_speed

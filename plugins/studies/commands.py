@@ -67,8 +67,8 @@ def sweep(call: Call, axes: Sequence[str], measures: Sequence[str], path: str, c
 
     Points that are unstable, impossible or fail are results and have a status; exit code 3: no point has a number.
     """
-    from quickreturn.plugins.studies.public.sweeping import USUAL, computed, dataset_of, summary
     from quickreturn.plugins.studies.sweep.grid import ENGINE, axis
+    from quickreturn.plugins.studies.sweep.sweeping import USUAL, computed, dataset_of, summary
 
     loaded, texts = call.case(), _merged(call.settings)
     call.refuse_missing()
@@ -129,7 +129,7 @@ def uncertainty(
 
     Exit code 3: more than 5 % of the points have no such measure, and so it has no band.
     """
-    from quickreturn.plugins.studies.public.uncertainty import is_study, points_of, study_of
+    from quickreturn.plugins.studies.uncertainty.study import is_study, points_of, study_of
 
     given = study_of(study, call.overrides) if is_study(study) else {"case": call.case(study)}
     if call.units is not None:
@@ -180,8 +180,8 @@ def resonance(call: Call, speed: str | None, vary: str | None, measures: Sequenc
     Exit code 3: no periodic motion was found in the range, or the curve could not be followed over all of it.
     """
     from quickreturn.descriptions import value_of
-    from quickreturn.plugins.studies.public.resonance_curves import Resonance, speed_of
-    from quickreturn.plugins.studies.resonance_curve.range import SPEED, range_of
+    from quickreturn.plugins.studies.resonance_curve.curve import SPEED, range_of
+    from quickreturn.plugins.studies.resonance_curve.resonance import Resonance, speed_of
     from quickreturn.plugins.studies.resonance_curve.search import USUAL, job
     from quickreturn.reports.drawing.style import picture
 

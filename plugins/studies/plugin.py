@@ -13,6 +13,6 @@ PLUGIN = Plugin(
         "resonance": (f"{_HERE}.commands:resonance", "Follow the periodic motion of CASE over the crank's speed or another key."),
         "calibrate": (f"{_HERE}.commands:calibrate", "Find parameters of CASE from a recorded table by least squares."),
     },
-    page=f"{_HERE}.page:PAGE",
+    page=f"{_HERE}.chapter:PAGE",
     leads=f"{_HERE}.uncertainty.quantities:explanations",
 )

@@ -6,9 +6,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from quickreturn.cases.comparison.engines import REFERENCE, CaseResult
+from quickreturn.cases.library.thesis import RUNS, run_name
 from quickreturn.engines.registry import MODEL
 from quickreturn.plugins.thesis.experiment import AxisLabels, axis_labels
-from quickreturn.plugins.thesis.runs import thesis_runs
+from quickreturn.reports.page.content import of_library
+
+
+def thesis_runs(results: Sequence[CaseResult]) -> dict[int, CaseResult]:
+    """The runs of the thesis among the cases shown, by number."""
+    results_by_number = ((number, of_library(results, run_name(number))) for number in RUNS)
+    return {number: result for number, result in results_by_number if result is not None}
+
 
 #: Channel of an axis -> trajectory columns that it shows.
 COLUMNS = {"tip_acceleration": ("tip_acceleration",), "strain": ("strain_1", "strain_2", "strain_3")}

@@ -6,7 +6,7 @@ from types import MappingProxyType
 from typing import ClassVar
 
 from quickreturn.cases.files.case import Case
-from quickreturn.cases.library.thesis.entries import ENTRIES
+from quickreturn.cases.library import ENTRIES
 from quickreturn.plugins.thesis.chapters.crosscheck import crosscheck
 from quickreturn.plugins.thesis.chapters.experiment import experiment
 from quickreturn.plugins.thesis.chapters.inconsistencies import published_inconsistencies

@@ -6,7 +6,7 @@ from typing import Any
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.plugins.thesis import sharpness
 from quickreturn.plugins.thesis import starts as other_starts
-from quickreturn.plugins.thesis.inference import confirmation, study
+from quickreturn.plugins.thesis.inference import study
 from quickreturn.plugins.thesis.inference.unknowns import points
 from quickreturn.plugins.thesis.inference.weights import infer
 from quickreturn.reports.long_studies import table
@@ -17,9 +17,9 @@ def finding() -> list[study.Row]:
     return table("finding", study.Row)
 
 
-def confirmed() -> list[confirmation.Confirmation]:
+def confirmed() -> list[study.Confirmation]:
     """Two engines on the likeliest machines."""
-    return table("finding_confirmed", confirmation.Confirmation)
+    return table("finding_confirmed", study.Confirmation)
 
 
 def planted() -> list[sharpness.Planted]:
@@ -46,4 +46,4 @@ def finding_rows(workshop: Workshop) -> dict[str, Sequence[Any]]:
     """Rows of the machines, and of two engines on the printed one and the likeliest ones."""
     rows = study.study(workshop)
     best = [points()[0], *infer(tuple(rows), {}).best] if rows else []
-    return {"finding": rows, "finding_confirmed": confirmation.confirmed(best, workshop)}
+    return {"finding": rows, "finding_confirmed": study.confirmed(best, workshop)}

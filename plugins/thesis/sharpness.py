@@ -16,8 +16,8 @@ from scipy.interpolate import CubicSpline
 from quickreturn.cases.comparison.campaign import carry_out, cross_validate
 from quickreturn.cases.comparison.engines import REFERENCE, CaseResult, compare
 from quickreturn.cases.files.case import Case
-from quickreturn.cases.files.case_file import load_case
-from quickreturn.cases.library.thesis.runs import RUNS, run_name
+from quickreturn.cases.library import load_case
+from quickreturn.cases.library.thesis import RUNS, run_name
 from quickreturn.cases.motion.cycle import measure_cycle
 from quickreturn.cases.motion.request import Run, RunRequest
 from quickreturn.cases.motion.time_scale import CHANNELS, time_scale

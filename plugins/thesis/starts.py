@@ -11,8 +11,8 @@ from typing import Final
 import numpy as np
 
 from quickreturn.cases.comparison.campaign import carry_out
-from quickreturn.cases.files.case_file import load_case
-from quickreturn.cases.library.thesis.runs import RUNS, run_name
+from quickreturn.cases.library import load_case
+from quickreturn.cases.library.thesis import RUNS, run_name
 from quickreturn.cases.motion.marching import channels_of
 from quickreturn.cases.motion.request import RunRequest
 from quickreturn.cases.motion.settling import on_common_grid, relative_change

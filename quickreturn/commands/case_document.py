@@ -12,13 +12,13 @@ from typing import Any, Final
 import click
 
 from quickreturn.cases.files.case import Case, written_document
-from quickreturn.cases.files.case_file import in_library
 from quickreturn.cases.files.document import NAME
 from quickreturn.cases.files.errors import CaseError, path_shown
 from quickreturn.cases.files.keys import PATHS, SECTIONS, shown_value, unit_given
-from quickreturn.cases.files.plausibility import doubts
+from quickreturn.cases.files.reading import doubts
 from quickreturn.cases.files.shown import Unit
 from quickreturn.cases.files.written import as_toml
+from quickreturn.cases.library import in_library
 from quickreturn.cases.motion.resonance import resonance
 from quickreturn.descriptions import by_each, model
 from quickreturn.engines.registry import own_engines

@@ -27,7 +27,7 @@ def engines(call: Call, engine: str | None) -> None:
         listed = qr.list_engines()
         call.show(listed, repr(listed))
         return
-    from quickreturn.cases.files.printable import Rows
+    from quickreturn.cases.files.shown import Rows
     from quickreturn.descriptions import outcomes, settings, value_of
 
     found = value_of(*outcomes([Job(engine, settings, (engine,))], engine))

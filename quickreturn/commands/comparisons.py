@@ -34,7 +34,7 @@ def run(call: Call) -> int:
     loaded = call.loaded()
     call.refuse_missing()
     import quickreturn as qr
-    from quickreturn.cases.files.printable import in_lines
+    from quickreturn.cases.files.shown import in_lines
     from quickreturn.verdict_text import as_document, parts_of
 
     tell_slow(loaded)
@@ -82,7 +82,7 @@ def compare(call: Call, files: Sequence[str], writes_mapping: bool, **reading: A
     if writes_mapping:
         return options.write_mapping(files, reading)
     check_file(call.output, loaded.source, PICTURES)
-    from quickreturn.cases.files.printable import in_lines
+    from quickreturn.cases.files.shown import in_lines
     from quickreturn.table_comparison import compared, parts_of_tables, tables_in
     from quickreturn.verdict_text import as_document
 

@@ -111,8 +111,8 @@ class Call:
 
     def case(self, name: str | None = None) -> "Case":
         """A case, or the only one, with the values, times and units of the options."""
-        from quickreturn.cases.files.case_file import load_case, with_times
         from quickreturn.cases.files.errors import CaseError, as_written
+        from quickreturn.cases.library import load_case, with_times
 
         for key, seconds in (("duration", self.duration), ("output_step", self.output_step)):
             if seconds is not None and f"simulation.{key}" in self.overrides:
@@ -186,7 +186,7 @@ def write(file: str | None, content: Callable[[str], bytes]) -> None:
 
 def tell_doubts(cases: "Sequence[Case]") -> None:
     """Name doubtful values of the user's own cases on standard error, each doubt once; values of the library are intended."""
-    from quickreturn.cases.files.plausibility import doubts
+    from quickreturn.cases.files.reading import doubts
 
     concerned: dict[str, list[str]] = {}
     for case in cases:

@@ -109,7 +109,7 @@ def _example(cases: "Sequence[Case]", engines: Sequence[str]) -> str:
 
 def _text(document: Mapping[str, Any], found: "Found", notes: str) -> str:
     """A simulation as a table; `notes`: the command that shows those on the case."""
-    from quickreturn.cases.files.printable import Rows
+    from quickreturn.cases.files.shown import Rows
 
     if isinstance(found, Exception):
         rows: list[Any] = [("case", document["case"]), ("engine", f"{document['engine']} ({document['version'] or 'version unknown'})")]
@@ -240,7 +240,7 @@ def animate(call: Call, magnify: float | None) -> None:
     check_file(call.output, "", MOVING)
     found = {name: trajectory for (_, name), trajectory in trajectories(call, [loaded]).items()}
     call.begin(f"drawing {call.output}")
-    from quickreturn.reports.drawing.animation import moving
+    from quickreturn.reports.drawing.mechanism import moving
 
     write(call.output, lambda ending: moving(loaded, found, ending, magnify))
     click.echo(call.output)

@@ -8,11 +8,11 @@ from typing import Any, Final
 
 from quickreturn.arguments import check, settings_of
 from quickreturn.cases.files.case import Case
-from quickreturn.cases.files.printable import Rows
+from quickreturn.cases.files.shown import Rows
 from quickreturn.cases.motion.solving import Answer, TrajectoryRequest, frequencies_job
 from quickreturn.cases.running import fork_server
+from quickreturn.cases.running.isolation import LocalProcesses
 from quickreturn.cases.running.job import Job, Outcome, T
-from quickreturn.cases.running.processes import LocalProcesses
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import outcomes_of
 from quickreturn.commands.console import Call, tell, tell_doubts, write

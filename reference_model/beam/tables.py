@@ -10,16 +10,14 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.base_moment import needs_base_shape
-from quickreturn.reference_model.beam.modes import ModeFamily, mode_family
-from quickreturn.reference_model.gauss_points import integrals_to_points, lagrange_weights
+from quickreturn.reference_model.beam.modes import ModeFamily, mode_family, needs_base_shape
+from quickreturn.reference_model.interpolation import integrals_to_points, lagrange_weights, spline_coefficients
 from quickreturn.reference_model.mechanism import Crank, FollowerAlone, Mechanism, PrescribedSpeed
 from quickreturn.reference_model.motion.layout import BeamTables, ShapeRow
 from quickreturn.reference_model.native.memory import on_lines
 from quickreturn.reference_model.rigid import crank_pace, rigid_kinetostatics
 from quickreturn.reference_model.shapes import ShapeSet
 from quickreturn.reference_model.slider import Slider
-from quickreturn.reference_model.splines import spline_coefficients
 from quickreturn.reference_model.tip import Tip
 
 Array = NDArray[np.float64]

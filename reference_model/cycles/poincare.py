@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.entries import STEPS
-from quickreturn.reference_model.integration import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STEP_TOO_SMALL, TOO_MANY_CALLS
+from quickreturn.reference_model.integrate import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STEP_TOO_SMALL, TOO_MANY_CALLS
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.motion.layout import state_size
 from quickreturn.reference_model.state import State

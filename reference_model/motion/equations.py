@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.compiled_state import state_at
+from quickreturn.reference_model.joint import BASE, ELIMINATED, ROLLERS
 from quickreturn.reference_model.motion.fields import place
 from quickreturn.reference_model.motion.inertia import (
     assemble,
@@ -38,7 +39,6 @@ from quickreturn.reference_model.motion.plane import direction, dot
 from quickreturn.reference_model.motion.spring import hang
 from quickreturn.reference_model.native.compilation import inlined, inner
 from quickreturn.reference_model.native.pointers import reader
-from quickreturn.reference_model.slider_constraint import BASE, ELIMINATED, ROLLERS
 from quickreturn.reference_model.state import BY_DRIVE, BY_JOINT, DISSIPATED, State
 
 Array = NDArray[np.float64]

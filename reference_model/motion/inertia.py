@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.reference_model import joint
+from quickreturn.reference_model.joint import BASE, ELIMINATED, ROLLERS
 from quickreturn.reference_model.motion.layout import (
     BASE_TURN,
     CRANK_TURN,
@@ -21,9 +22,8 @@ from quickreturn.reference_model.motion.plane import cross, dot, point
 from quickreturn.reference_model.motion.spring import at_spring, load_spring, spring_stiffness
 from quickreturn.reference_model.native.compilation import inlined, inner
 from quickreturn.reference_model.native.simd import load, plus, spread, store, total
-from quickreturn.reference_model.slider_constraint import BASE, ELIMINATED, ROLLERS
 from quickreturn.reference_model.state import State
-from quickreturn.reference_model.tip_force import STILL, tool_force
+from quickreturn.reference_model.tip import STILL, tool_force
 
 Array = NDArray[np.float64]
 

@@ -10,8 +10,8 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
+from quickreturn.reference_model.joint import CHORDS, LEVER, MULTIPLIER
 from quickreturn.reference_model.native.memory import ComplexVector, Cube, Matrix, Vector, on_lines
-from quickreturn.reference_model.slider_constraint import CHORDS, LEVER, MULTIPLIER
 from quickreturn.reference_model.spring import SpringLaw
 
 #: Entries for the bodies behind those for the points, in rows of velocities and accelerations; two more make the rows' length a multiple
@@ -127,7 +127,7 @@ class BeamTables(NamedTuple):
 class BeamParameters(NamedTuple):
     """Constants of the equations, SI."""
 
-    constraint: int  # see `slider_constraint`
+    constraint: int  # see `joint.SliderConstraint`
     n: int  # shapes
     speeds: int  # m, number of speeds: the crank's, n amplitudes', and with an open loop the base angle's
     first: int  # first free speed: 1 where the crank's is prescribed
@@ -154,7 +154,7 @@ class BeamParameters(NamedTuple):
     force_begin: float  # rad, of the crank
     force_span: float
     force_ramp: float
-    force_table: Matrix  # see `tip_force.constants`
+    force_table: Matrix  # see `tip.tool_constants`
     force_follows: int  # whether the force turns with the follower's end
     slide_friction: float  # N, of the tool's slide
     slide_speed: float  # m/s, over which that changes its sign

@@ -2,6 +2,7 @@
 
 import math
 
+from quickreturn.reference_model.joint import CHORDS, LEVER, MULTIPLIER, ROLLERS
 from quickreturn.reference_model.motion.equations import parameters_at, workspace_at
 from quickreturn.reference_model.motion.inertia import friction_share
 from quickreturn.reference_model.motion.layout import BeamParameters, BeamWorkspace
@@ -10,7 +11,6 @@ from quickreturn.reference_model.motion.spring import at_spring, spring_stiffnes
 from quickreturn.reference_model.native.compilation import inner
 from quickreturn.reference_model.native.memory import Matrix, Vector
 from quickreturn.reference_model.native.pointers import matrix_at, numbers_at
-from quickreturn.reference_model.slider_constraint import CHORDS, LEVER, MULTIPLIER, ROLLERS
 
 
 @inner

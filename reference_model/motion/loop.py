@@ -5,13 +5,13 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from quickreturn.reference_model.joint import CHORDS, ELIMINATED, LEVER
+from quickreturn.reference_model.mechanism import base_motion
 from quickreturn.reference_model.motion.fields import combine, cumulate
 from quickreturn.reference_model.motion.layout import BeamParameters, BeamTables, BeamWorkspace
 from quickreturn.reference_model.motion.plane import cross, direction, dot, point
 from quickreturn.reference_model.native.compilation import inlined, inner
 from quickreturn.reference_model.native.simd import load, plus, spread, store
-from quickreturn.reference_model.slider_constraint import CHORDS, ELIMINATED, LEVER
-from quickreturn.reference_model.spin_up import base_motion
 from quickreturn.reference_model.state import State
 
 Array = NDArray[np.float64]

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from quickreturn.reference_model.columns import GAUGES, NUMBERS, PLACES, ROW
 from quickreturn.reference_model.compiled_state import state_at
+from quickreturn.reference_model.joint import BASE
 from quickreturn.reference_model.joint import joint_energy as energy_of_joint
 from quickreturn.reference_model.motion.equations import parameters_at, workspace_at
 from quickreturn.reference_model.motion.fields import cumulate, cumulate_real, directions
@@ -24,7 +25,6 @@ from quickreturn.reference_model.motion.spring import at_spring, number_at_sprin
 from quickreturn.reference_model.native.compilation import inner
 from quickreturn.reference_model.native.pointers import array_at, call_equations, matrix_at, numbers_at
 from quickreturn.reference_model.native.simd import load, plus, spread, store, total
-from quickreturn.reference_model.slider_constraint import BASE
 from quickreturn.reference_model.state import BY_DRIVE, BY_JOINT, DISSIPATED, State
 
 Array = NDArray[np.float64]

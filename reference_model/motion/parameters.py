@@ -4,10 +4,10 @@ import numpy as np
 
 from quickreturn.reference_model.columns import PLACES
 from quickreturn.reference_model.constants import constants, pace
+from quickreturn.reference_model.joint import BASE, CLOSED, ELIMINATED, SliderConstraint
 from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.motion.layout import BeamParameters, BeamTables, ShapeRow
 from quickreturn.reference_model.native.memory import Vector
-from quickreturn.reference_model.slider_constraint import BASE, CLOSED, ELIMINATED, SliderConstraint
 from quickreturn.reference_model.spring import Spring
 
 

@@ -1,4 +1,4 @@
-"""Where compiled functions are kept on disk: one folder per state of their sources.
+"""Where compiled functions are kept on disk: one folder per state of their sources. One process compiles, and the others wait for it.
 
 Numba recompiles a cached function when the function's own file changes, but not when a file that it calls into does. The folder is named
 by the hash of this package's sources, so that code compiled from other sources is never taken. It is in the folder that the user has named
@@ -12,9 +12,10 @@ import os
 import shutil
 import tempfile
 from collections.abc import Iterable
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 #: Names the folder of numba's cache, if the user has chosen one.
 VARIABLE: Final = "NUMBA_CACHE_DIR"
@@ -79,3 +80,59 @@ def hash_of(files: Iterable[Path]) -> str:
     for file in sorted(files):
         digest.update(file.name.encode() + file.read_bytes())
     return digest.hexdigest()[:16]
+
+
+#: Time (s) after which a process waits no longer and compiles itself.
+PATIENCE: Final = 600.0
+#: The file that names the process that this one waits for, if any.
+_waits_for: Final[list[Path]] = []
+
+
+def waits_for() -> int:
+    """Number of the process that compiles what this one needs; 0 if this one does not wait."""
+    with suppress(OSError, ValueError, IndexError):
+        return int(_waits_for[-1].read_text())
+    return 0
+
+
+class Turn:
+    """The right to compile something, which one process has at a time; it ends with the process.
+
+    It is a lock on a file, by SQLite, which knows how on each system.
+
+    Args:
+        path: of the file, which is made.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path, self._holder = path, path.with_suffix(".process")
+        self._lock: Any = None
+
+    def take(self) -> None:
+        """Take the turn, once no other process has it.
+
+        Where nothing can be locked, and after `PATIENCE`, the turn is taken without a lock.
+        """
+        if self._lock is not None:
+            return
+        with suppress(ImportError, OSError):  # no SQLite, or a folder that cannot be written
+            import sqlite3
+
+            self._path.parent.mkdir(parents=True, exist_ok=True)
+            with suppress(sqlite3.Error):  # a file system without locks
+                self._lock = sqlite3.connect(self._path, timeout=PATIENCE, isolation_level=None, check_same_thread=False)
+                _waits_for.append(self._holder)
+                try:
+                    if waits_for() != os.getpid():  # otherwise an attempt has failed in this process
+                        self._lock.execute("BEGIN EXCLUSIVE")
+                finally:
+                    _waits_for.clear()
+                self._holder.write_text(str(os.getpid()))
+
+    def give_back(self) -> None:
+        """Let another process take the turn."""
+        if self._lock is not None:
+            with suppress(OSError):
+                self._holder.unlink()
+            self._lock.close()
+            self._lock = None

@@ -14,8 +14,7 @@ from numba import cfunc, njit, types
 try:
     from numba.core.ccallback import CFunc
 
-    from quickreturn.reference_model.native.kept import Kept
-    from quickreturn.reference_model.native.linking import OwnCompiler
+    from quickreturn.reference_model.native.kept import Kept, OwnCompiler
 
     MISSING = ""
 except (ImportError, AttributeError) as missing:

@@ -1,8 +1,8 @@
 """Compiled functions that Python calls, kept on the disk as objects that load without the compiler, whose import takes longer than a run.
 
 An object serves on the processor and by the version of LLVM that it was made for, if it is whole and all that it refers to is there. A
-wheel brings objects along (`reference_model.ship`), for the sources in it and all processors of one level. Where none serves, the compiler
-compiles the function, or loads it from its own cache.
+wheel brings objects along (`reference_model.entries`), for the sources in it and all processors of one level. Where none serves, the
+compiler compiles the function, or loads it from its own cache.
 """
 
 import ctypes

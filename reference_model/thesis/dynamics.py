@@ -13,7 +13,7 @@ from quickreturn.reference_model.native.compilation import inlined, inner
 from quickreturn.reference_model.state import State
 from quickreturn.reference_model.thesis.kinematics import Contact, Slider, centre_line, constraint_row, place_slider, tangent_angle
 from quickreturn.reference_model.thesis.parameters import ThesisParameters, ThesisWorkspace
-from quickreturn.reference_model.tip_force import tool_force
+from quickreturn.reference_model.tip import tool_force
 
 tool = inner(tool_force)
 

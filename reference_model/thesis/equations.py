@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from quickreturn.reference_model.columns import ROW
 from quickreturn.reference_model.compiled_state import state_of
+from quickreturn.reference_model.mechanism import base_motion as motion_of_base
 from quickreturn.reference_model.native.compilation import compiled, inlined, inner
-from quickreturn.reference_model.spin_up import base_motion as motion_of_base
 from quickreturn.reference_model.state import BY_DRIVE, DISSIPATED, State
 from quickreturn.reference_model.thesis.dynamics import assemble, dissipation, evaluate, factorize, reactions, substitute
 from quickreturn.reference_model.thesis.kinematics import Contact, Slider, centre_line

@@ -7,8 +7,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.native.compilation import inlined, inner
-from quickreturn.reference_model.thesis.parameters import ThesisParameters, ThesisWorkspace
-from quickreturn.reference_model.thesis.tables import POINTS, TO_POINTS, ThesisTables, cumulate, find_cell, partial_weights
+from quickreturn.reference_model.thesis.parameters import (
+    POINTS,
+    TO_POINTS,
+    ThesisParameters,
+    ThesisTables,
+    ThesisWorkspace,
+    cumulate,
+    find_cell,
+    partial_weights,
+)
 
 CLOSURE_STEPS = 30  # Newton steps for the slider's place, at most; four suffice where the loop closes
 

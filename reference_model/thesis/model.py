@@ -11,15 +11,14 @@ from numpy.typing import NDArray
 from quickreturn.reference_model.columns import ROW, by_column, recorded_columns
 from quickreturn.reference_model.constants import characteristic_frequency, crank_speed_scale
 from quickreturn.reference_model.eigenproblem import eigh
-from quickreturn.reference_model.integration import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STEP_TOO_SMALL, TOO_MANY_CALLS, Integration
+from quickreturn.reference_model.integrate import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STEP_TOO_SMALL, TOO_MANY_CALLS, Integration
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.model import ObservationFailed
 from quickreturn.reference_model.native.memory import Placed
 from quickreturn.reference_model.shapes import ShapeSet
 from quickreturn.reference_model.state import State
 from quickreturn.reference_model.thesis.equations import base_right_hand_side, right_hand_side
-from quickreturn.reference_model.thesis.parameters import build_parameters, build_workspace, state_size
-from quickreturn.reference_model.thesis.tables import POINTS, build_tables
+from quickreturn.reference_model.thesis.parameters import POINTS, build_parameters, build_tables, build_workspace, state_size
 
 Array = NDArray[np.float64]
 

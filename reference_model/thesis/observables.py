@@ -11,9 +11,8 @@ from quickreturn.reference_model.native.compilation import inlined, inner
 from quickreturn.reference_model.state import BY_DRIVE, DISSIPATED, State
 from quickreturn.reference_model.thesis.dynamics import gravity_in_b
 from quickreturn.reference_model.thesis.kinematics import Contact, Slider, tangent_angle
-from quickreturn.reference_model.thesis.parameters import ThesisParameters, ThesisWorkspace
-from quickreturn.reference_model.thesis.tables import POINTS, find_cell
-from quickreturn.reference_model.tip_force import tool_force
+from quickreturn.reference_model.thesis.parameters import POINTS, ThesisParameters, ThesisWorkspace, find_cell
+from quickreturn.reference_model.tip import tool_force
 
 tool = inner(tool_force)
 

@@ -12,14 +12,12 @@ from quickreturn.cases.comparison.engines import agreement as verdicts
 from quickreturn.cases.comparison.pair import KINDS, WAVEFORM, Difference, Kind
 from quickreturn.cases.motion.cycle import EXTREMES
 from quickreturn.cases.motion.number import SAYS_NOTHING, or_nan
-from quickreturn.reports.page.answer import answer_of
-from quickreturn.reports.page.chapter import Chapter
+from quickreturn.reports.engine_differences import cause, differences, engines_of, outward, used_along
+from quickreturn.reports.page.chapter import Chapter, Plot, Series
 from quickreturn.reports.page.content import Content
-from quickreturn.reports.page.plot import Plot, Series
+from quickreturn.reports.page.first_screen import answer_of
 from quickreturn.reports.page.view import shown_first
-from quickreturn.reports.results.engine_differences import cause, differences, engines_of, outward, used_along
-from quickreturn.reports.tables.cells import COMPARISON, QUANTITY_COLUMN, UNRESOLVABLE, compared
-from quickreturn.reports.tables.table import Cell, Column, Mark, Table
+from quickreturn.reports.tables import COMPARISON, QUANTITY_COLUMN, UNRESOLVABLE, Cell, Column, Mark, Table, compared
 from quickreturn.reports.words import QUANTITY, case_label, counted, in_words, listed, number, place, size
 
 #: Least difference over tolerance that is drawn; smaller ones are drawn here, because the logarithmic axis has no zero.

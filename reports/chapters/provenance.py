@@ -8,13 +8,11 @@ from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.request import Run
 from quickreturn.engines.error_parts import TIP
 from quickreturn.engines.registry import own_engines
+from quickreturn.reports.engine_differences import engines_of
 from quickreturn.reports.page.chapter import Chapter
-from quickreturn.reports.page.content import Content
+from quickreturn.reports.page.content import Content, Verification
 from quickreturn.reports.page.part import parts
-from quickreturn.reports.results.engine_differences import engines_of
-from quickreturn.reports.tables.cells import CASE
-from quickreturn.reports.tables.table import Cell, Column, ColumnList, Table
-from quickreturn.reports.verification import Verification
+from quickreturn.reports.tables import CASE, Cell, Column, ColumnList, Table
 from quickreturn.reports.words import counted, settings_words
 
 

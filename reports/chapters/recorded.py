@@ -9,11 +9,10 @@ from quickreturn.cases.files.shown import Unit
 from quickreturn.cases.motion.cycle import EXTREMES
 from quickreturn.cases.motion.request import Run
 from quickreturn.reference_model.columns import COLUMNS
+from quickreturn.reports.engine_differences import engines_of
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content, MeasuredHalf
-from quickreturn.reports.results.engine_differences import engines_of
-from quickreturn.reports.tables.cells import CASE, CHANNEL, COMPARISON, HALF_COLUMN, UNRESOLVABLE, compared
-from quickreturn.reports.tables.table import Cell, Column, ColumnList, Table
+from quickreturn.reports.tables import CASE, CHANNEL, COMPARISON, HALF_COLUMN, UNRESOLVABLE, Cell, Column, ColumnList, Table, compared
 from quickreturn.reports.words import channel_name, counted, listed, quantity
 
 

@@ -13,11 +13,22 @@ from quickreturn.cases.motion.number import Number
 from quickreturn.cases.motion.request import Run
 from quickreturn.cases.motion.time_scale import CHANNELS
 from quickreturn.reference_model.columns import COLUMNS
+from quickreturn.reports.engine_differences import engines_of
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
-from quickreturn.reports.results.engine_differences import engines_of
-from quickreturn.reports.tables.cells import CASE, UNRESOLVABLE, measure_cells, measure_column, status_cell
-from quickreturn.reports.tables.table import Cell, Column, ColumnList, Mark, Table, Value
+from quickreturn.reports.tables import (
+    CASE,
+    UNRESOLVABLE,
+    Cell,
+    Column,
+    ColumnList,
+    Mark,
+    Table,
+    Value,
+    measure_cells,
+    measure_column,
+    status_cell,
+)
 from quickreturn.reports.words import case_label, channel_name, cost, counted, listed, short_name
 
 #: Channels whose peaks and amplitudes the page shows; the CSV file has the amplitudes of all.

@@ -6,7 +6,7 @@ from typing import Any, Final
 import numpy as np
 from matplotlib.axes import Axes
 
-from quickreturn.cases.files.columns import UnknownColumn, known_column
+from quickreturn.cases.files.errors import UnknownColumn, known_column
 from quickreturn.cases.files.shown import METRIC, Units
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reports.drawing.style import FONT_SIZE, SAMPLE, Array, Drawing, look, new_figure, tidy

@@ -1,11 +1,76 @@
 """A chapter of the page: its heading with the finding, and the facts that its template lays out."""
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
 from typing import Any
 
-from quickreturn.reports.page.plot import Plot, plots_in
-from quickreturn.reports.tables.table import Table
+from quickreturn.reports.tables import Table
+
+
+@dataclass(frozen=True)
+class Series:
+    """Points of one source.
+
+    Attributes:
+        name: name in the legend.
+        of: engine, signal or other name whose look it has; an engine's checkbox shows and hides its series.
+        x: values on the horizontal axis.
+        y: values on the vertical axis, as many; None in both: a gap in the line.
+        text: remark on each point, shown after the name when the point is touched; one per point, or nothing.
+        hollow: whether its marks are hollow, as those of variants.
+        line: whether the points are joined.
+        broad: whether it is the broad band behind the others.
+        bars: spread of each point: low and high on the horizontal axis, low and high on the vertical one; or nothing.
+        marked: whether each point has a mark.
+        labels: text at each mark; or nothing.
+        columns: whether each point is a bar from zero, beside those of other series.
+    """
+
+    name: str
+    of: str
+    x: Sequence[float | str | None]
+    y: Sequence[float | None]
+    text: Sequence[str] = ()
+    hollow: bool = False
+    line: bool = True
+    broad: bool = False
+    bars: Sequence[Sequence[float]] = ()
+    marked: bool = True
+    labels: Sequence[str] = ()
+    columns: bool = False
+
+
+@dataclass(frozen=True)
+class Plot:
+    """A plot."""
+
+    file: str  # CSV file of the table with these numbers
+    x: str  # label of the horizontal axis, with its unit
+    y: str  # label of the vertical axis, with its unit
+    series: Sequence[Series]  # what is drawn, later ones on top
+    log: str = ""  # which axes are logarithmic: "", "x", "y" or "xy"
+    below: float | None = None  # value on the vertical axis below which numbers mean nothing; that range is shaded
+    categories: Sequence[str] = ()  # texts of an axis that has rows instead of numbers; `y` then belongs to the horizontal axis
+    limit: tuple[float, str] | None = None  # a value that is marked by a line across the rows, and its meaning
+    regions: Sequence[Sequence[tuple[float, float]]] = ()  # areas behind the points: their corners as pairs of values
+    here: tuple[float, str] | None = None  # a value on the horizontal axis that is marked by a line, and its meaning
+    alike: bool = False  # whether a unit is equally long on both axes
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """The plot as data for the script."""
+        return asdict(self)
+
+
+def plots_in(values: Any) -> Iterator[Plot]:
+    """Plots among values, also those in lists, tuples and dictionaries."""
+    for value in values:
+        if isinstance(value, Plot):
+            yield value
+        elif isinstance(value, (list, tuple)):
+            yield from plots_in(value)
+        elif isinstance(value, Mapping):
+            yield from plots_in(value.values())
 
 
 @dataclass(frozen=True)

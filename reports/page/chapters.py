@@ -11,7 +11,7 @@ from quickreturn.reports.chapters.runs import run_by_run, runs
 from quickreturn.reports.page.chapter import Chapter, MakeChapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.part import parts
-from quickreturn.reports.tables.table import Column, Table
+from quickreturn.reports.tables import Column, Table
 from quickreturn.reports.words import counted, listed
 
 

@@ -1,9 +1,11 @@
-"""The data of all chapters."""
+"""The data of all chapters, with the stored results of the long verification."""
 
+import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from types import MappingProxyType
-from typing import Any, ClassVar, TypeVar
+from typing import Any, ClassVar, Final, TypeVar
 
 from quickreturn.cases.comparison.engines import CaseResult
 from quickreturn.cases.files.case import Case
@@ -12,10 +14,42 @@ from quickreturn.cases.motion.cycle import ChannelMeasures
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.request import Run
 from quickreturn.cases.motion.time_scale import CHANNELS
+from quickreturn.cases.running.key import code_fingerprint
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.registry import MAIN
 from quickreturn.reports.page.chapter import MakeChapter
-from quickreturn.reports.verification import Verification
+
+FILE: Final = "verification.json"
+#: The code that the verification depends on.
+PARTS: Final = ("quickreturn.reference_model", "quickreturn.engines", "quickreturn.cases")
+
+
+@dataclass(frozen=True)
+class Verification:
+    """Results of the long verification: the file `verification.json` in the store's folder.
+
+    It holds {"code": fingerprint of the code, "date": text, "chapters": [{"title", "text", "columns": [text], "rows": [[text or number or
+    null]]}]}. The report shows it as long as the code is unchanged.
+    """
+
+    chapters: tuple[dict[str, Any], ...] = ()  # in the form above
+    date: str = ""
+    absent: str = ""  # why there is none (a sentence), or ""
+
+
+def verification(folder: Path) -> Verification:
+    """The verification in the store's folder."""
+    try:
+        document = json.loads((folder / FILE).read_text("utf-8"))
+        stored = Verification(tuple(document["chapters"]), document["date"])
+    except FileNotFoundError:
+        return Verification(absent="It has not been run with this store.")
+    except (OSError, ValueError, KeyError, TypeError):
+        return Verification(absent=f"{FILE} in the store cannot be read.")
+    if document.get("code") != code_fingerprint(PARTS):
+        return Verification(absent="Its stored results were made with other code than this page, so they are not shown.")
+    return stored
+
 
 T = TypeVar("T")
 

@@ -12,13 +12,12 @@ from quickreturn.cases.files.case import Case
 from quickreturn.cases.motion.cycle import HALVES
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reports import words
-from quickreturn.reports.page.answer import answer_of
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
-from quickreturn.reports.page.first_screen import Figure, agreement_screen
+from quickreturn.reports.page.first_screen import Figure, agreement_screen, answer_of
 from quickreturn.reports.page.part import nearness_of, parts
 from quickreturn.reports.page.view import View, cycles, shown_first, trajectories
-from quickreturn.reports.tables.table import csv_text
+from quickreturn.reports.tables import csv_text
 
 #: Parts of every page's script, in their order, and further parts for a page with chapters.
 SCRIPT: Final = ("unpack.js", "motion.js", "stage.js", "curve.js", "page.js", "paper.js")

@@ -29,7 +29,7 @@ from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.request import Run
 from quickreturn.reference_model.columns import COLUMNS, SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
-from quickreturn.reference_model.tip_force import tip_force
+from quickreturn.reference_model.tip import tip_force
 from quickreturn.reports.line_styles import Look, looks
 from quickreturn.reports.page.content import of_library
 

@@ -4,8 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.engines.accurate import Result
-from quickreturn.engines.relative import rms, scale
-from quickreturn.engines.trajectory import Trajectory
+from quickreturn.engines.trajectory import Trajectory, rms, scale
 
 
 def from_nowhere(trajectory: Trajectory) -> NDArray[np.float64]:

@@ -5,15 +5,14 @@ from functools import cache
 import numpy as np
 import pytest
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.engines.accurate import Result, simulate
 from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.registry import engine
-from quickreturn.engines.relative import relative_error
 from quickreturn.engines.start import standard_start
-from quickreturn.engines.trajectory import Trajectory
+from quickreturn.engines.trajectory import Trajectory, relative_error
 from quickreturn.reference_model.follower import Follower
 from quickreturn.reference_model.mechanism import Base, Crank, Mechanism, PrescribedSpeed
 from quickreturn.reference_model.spring import Spring

@@ -13,10 +13,9 @@ from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.mujoco.engine import MujocoEngine
 from quickreturn.engines.mujoco.settings import ChainSettings
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
-from quickreturn.engines.relative import relative_error
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start, standard_start
-from quickreturn.engines.trajectory import Trajectory
+from quickreturn.engines.trajectory import Trajectory, relative_error
 from quickreturn.plugins.methods.rivals import stiff_spring
 from quickreturn.plugins.methods.rivals.stiff_spring import StiffSpringSettings
 from quickreturn.reference_model.mechanism import Mechanism

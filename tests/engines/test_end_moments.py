@@ -6,15 +6,14 @@ from functools import cache
 import numpy as np
 import pytest
 
+from quickreturn.engines.accurate import simulate
 from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.mujoco.settings import ChainSettings
 from quickreturn.engines.own.reference import ReferenceSettings
 from quickreturn.engines.registry import engine, usable_engine
-from quickreturn.engines.relative import relative_error
-from quickreturn.engines.scene import simulate_scene
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import standard_start
-from quickreturn.engines.trajectory import Columns
+from quickreturn.engines.trajectory import Columns, relative_error
 from quickreturn.reference_model.mechanism import Base
 from quickreturn.reference_model.tip import Tip
 from tests.engines.scenes import FOLLOWER_ALONE, run_24
@@ -64,8 +63,10 @@ def test_gauges_at_the_ends_keep_their_claims(name: str, tip: Tip | None) -> Non
     gauges = replace(FOLLOWER_ALONE.follower, strain_gauges=(0.01 * length, 0.5 * length, 0.995 * length))
     scene = replace(FOLLOWER_ALONE, follower=gauges, tip=tip, gravity=(0.0, 0.0))  # whose sudden start rings in all modes
     duration, step = 1.0, 0.01
-    truth = simulate_scene(engine("reference"), scene, duration, step, {"modes": "11", "tolerance": "1e-10"}, estimate=False).trajectory
-    found = simulate_scene(engine(name), scene, duration, step)
+    truth = simulate(
+        engine("reference"), scene, standard_start(scene), duration, step, {"modes": "11", "tolerance": "1e-10"}, estimate=False
+    ).trajectory
+    found = simulate(engine(name), scene, standard_start(scene), duration, step)
     for column in ("strain_1", "strain_2", "strain_3"):
         claim = found.error_estimates[column]
         error = relative_error(found.trajectory[column], truth[column])

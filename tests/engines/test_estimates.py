@@ -10,10 +10,9 @@ from quickreturn.engines.base import Comparison, Simulation
 from quickreturn.engines.error_parts import LARGEST_REST, LEAST_FACTOR, TIP, Compared, ErrorPart, shown_factor
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import engine
-from quickreturn.engines.relative import rms
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start, standard_start
-from quickreturn.engines.trajectory import Trajectory
+from quickreturn.engines.trajectory import Trajectory, rms
 from quickreturn.reference_model.mechanism import Mechanism
 from tests.engines.fake_engine import FakeEngine, FakeSimulation, error_of
 from tests.engines.scenes import run_24

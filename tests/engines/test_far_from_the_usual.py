@@ -10,9 +10,8 @@ from quickreturn.engines.mujoco.engine import MujocoEngine
 from quickreturn.engines.mujoco.settings import ChainSettings
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
-from quickreturn.engines.relative import rms
 from quickreturn.engines.start import standard_start
-from quickreturn.engines.trajectory import Trajectory
+from quickreturn.engines.trajectory import Trajectory, rms
 from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.follower import Follower
 from quickreturn.reference_model.mechanism import LEAST_STUB, Base, Crank, Mechanism, PrescribedSpeed

@@ -4,17 +4,16 @@ from dataclasses import replace
 
 import pytest
 
+from quickreturn.engines.accurate import describe_scene, simulate
 from quickreturn.engines.base import Refusal
 from quickreturn.engines.registry import engine
-from quickreturn.engines.relative import relative_error
-from quickreturn.engines.scene import describe_scene, simulate_scene
 from quickreturn.engines.settings import Settings
-from quickreturn.engines.trajectory import FollowerTrajectory
+from quickreturn.engines.start import standard_start
+from quickreturn.engines.trajectory import FollowerTrajectory, relative_error
 from quickreturn.plugins.methods.rivals import RIVALS
 from quickreturn.reference_model.columns import COLUMNS, SHAPE
 from quickreturn.reference_model.follower import Follower
-from quickreturn.reference_model.mechanism import Base, FollowerAlone, SpinUp
-from quickreturn.reference_model.spin_up import base_motion
+from quickreturn.reference_model.mechanism import Base, FollowerAlone, SpinUp, base_motion
 from tests.engines.scenes import FOLLOWER_ALONE
 
 SCENE = replace(FOLLOWER_ALONE, spin_up=SpinUp(speed=7.0, time=1.0), gravity=(0.2, -0.5))
@@ -22,7 +21,7 @@ DURATION, STEP = 1.2, 0.01
 
 
 def run(name: str, **settings: str) -> FollowerTrajectory:
-    trajectory = simulate_scene(engine(name), SCENE, DURATION, STEP, settings, estimate=False).trajectory
+    trajectory = simulate(engine(name), SCENE, standard_start(SCENE), DURATION, STEP, settings, estimate=False).trajectory
     assert isinstance(trajectory, FollowerTrajectory)
     return trajectory
 
@@ -90,9 +89,11 @@ def test_the_stretch_of_the_cable_is_in_the_claim() -> None:
     )  # fmt: skip
     scene = FollowerAlone(spin_up=SpinUp(speed=293.19, time=0.032094), base=Base(inertia=0.0), follower=follower)
     duration, step = 0.0514, 2e-4
-    truth = simulate_scene(engine("reference"), scene, duration, step, {"modes": "11", "tolerance": "1e-10"}, estimate=False).trajectory
+    truth = simulate(
+        engine("reference"), scene, standard_start(scene), duration, step, {"modes": "11", "tolerance": "1e-10"}, estimate=False
+    ).trajectory
     for accuracy in (1e-2, 1e-3):
-        found = simulate_scene(engine("exudyn"), scene, duration, step, accuracy=accuracy)
+        found = simulate(engine("exudyn"), scene, standard_start(scene), duration, step, accuracy=accuracy)
         error = relative_error(found.trajectory["tip_deflection"], truth["tip_deflection"])
         assert 1e-4 < error < found.error_estimate < accuracy
         assert "stretch" in {part.of for part in found.error_parts["tip"]}

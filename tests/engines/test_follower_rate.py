@@ -11,8 +11,7 @@ from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Columns
-from quickreturn.reference_model.mechanism import Scene
-from quickreturn.reference_model.spin_up import base_motion
+from quickreturn.reference_model.mechanism import Scene, base_motion
 from tests.engines.scenes import run_24
 
 MAIN = ("reference", "thesis", "exudyn", "mujoco")

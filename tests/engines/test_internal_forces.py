@@ -10,19 +10,19 @@ import pytest
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.engines.accurate import simulate
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import usable_engine
-from quickreturn.engines.relative import rms, scale
 from quickreturn.engines.start import standard_start
+from quickreturn.engines.trajectory import rms, scale
 from quickreturn.plugins.strength.arm import axial_forces, known_moments
 from quickreturn.reference_model.columns import AXIAL, BEARINGS, BENDING, PLACES, SHAPE
 from quickreturn.reference_model.follower import Follower
 from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, PrescribedSpeed, Scene
 from quickreturn.reference_model.scene_values import changed
 from quickreturn.reference_model.slider import Slider
-from quickreturn.reference_model.tip_force import tip_force
+from quickreturn.reference_model.tip import tip_force
 from tests.engines.scenes import run_24
 from tests.reference_model.rigid_loads import rigid_bearing_forces
 

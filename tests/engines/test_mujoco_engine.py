@@ -13,10 +13,9 @@ from hypothesis import strategies as st
 from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import EngineFailure, Refusal
 from quickreturn.engines.mujoco import chain
-from quickreturn.engines.mujoco.description import hinge_count
 from quickreturn.engines.mujoco.engine import FEWEST_WITH_ORDER, MujocoEngine
 from quickreturn.engines.mujoco.hook import damp_beam
-from quickreturn.engines.mujoco.settings import ChainSettings
+from quickreturn.engines.mujoco.settings import ChainSettings, hinge_count
 from quickreturn.engines.mujoco.simulation import _context
 from quickreturn.engines.registry import engine
 from quickreturn.engines.start import standard_start

@@ -9,10 +9,9 @@ from numpy.polynomial import Polynomial
 
 from quickreturn.engines.mujoco.engine import MujocoEngine
 from quickreturn.engines.mujoco.settings import ChainSettings
-from quickreturn.engines.relative import relative_error, rms
 from quickreturn.engines.start import Field, Start, standard_start
 from quickreturn.engines.start_state import reconstruct
-from quickreturn.engines.trajectory import OPTIONAL, Trajectory
+from quickreturn.engines.trajectory import OPTIONAL, Trajectory, relative_error, rms
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
 from tests.engines.energy import from_nowhere
 from tests.engines.scenes import INCH, run_24

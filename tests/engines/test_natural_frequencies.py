@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from quickreturn.engines.base import EngineFailure
-from quickreturn.engines.natural_frequencies import natural_frequencies
+from quickreturn.engines.one_run import natural_frequencies
 from quickreturn.engines.own.reference import ReferenceEngine
 from quickreturn.engines.registry import MAIN, engine
 from quickreturn.engines.settings import Settings

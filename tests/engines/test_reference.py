@@ -12,10 +12,9 @@ from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.mujoco.engine import MujocoEngine
 from quickreturn.engines.mujoco.settings import ChainSettings
 from quickreturn.engines.own.reference import AS_THEY_ARE, SLOWED, ReferenceEngine, ReferenceSettings
-from quickreturn.engines.relative import relative_error
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.start_state import reconstruct
-from quickreturn.engines.trajectory import OPTIONAL, REQUIRED, Trajectory
+from quickreturn.engines.trajectory import OPTIONAL, REQUIRED, Trajectory, relative_error
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.slider import Slider

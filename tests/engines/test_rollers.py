@@ -12,10 +12,9 @@ from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.mujoco.engine import MujocoEngine
 from quickreturn.engines.mujoco.settings import ChainSettings
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings, blow
-from quickreturn.engines.relative import relative_error
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import standard_start
-from quickreturn.engines.trajectory import Trajectory
+from quickreturn.engines.trajectory import Trajectory, relative_error
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from quickreturn.reference_model.rigid import crank_pace

@@ -9,14 +9,13 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import quad
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.balances import Balances
 from quickreturn.engines.accurate import Result, simulate
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import engine, usable_engine
-from quickreturn.engines.relative import relative_error
 from quickreturn.engines.start import standard_start
-from quickreturn.engines.trajectory import Trajectory
+from quickreturn.engines.trajectory import Trajectory, relative_error
 from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from quickreturn.reference_model.natural_modes import supported_modes

@@ -22,8 +22,7 @@ from quickreturn.engines.trajectory import Trajectory
 from quickreturn.plugins.methods.rivals import RIVALS
 from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
-from quickreturn.reference_model.tip import ForceTable, Tip
-from quickreturn.reference_model.tip_force import tip_force, tool_force
+from quickreturn.reference_model.tip import ForceTable, Tip, tip_force, tool_force
 from tests.engines.energy import assert_agree, from_nowhere
 from tests.engines.scenes import FOLLOWER_ALONE, run_24
 from tests.strategies import tables

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.files.recorded import table_of
+from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.catalogue import MEASURES
 from quickreturn.cases.motion.measure import SettledMotion
 from quickreturn.cases.motion.request import RunRequest
@@ -20,9 +20,8 @@ from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceEngine
 from quickreturn.engines.registry import usable_engine
-from quickreturn.engines.relative import rms
 from quickreturn.engines.start import standard_start
-from quickreturn.engines.trajectory import Columns
+from quickreturn.engines.trajectory import Columns, rms
 from quickreturn.plugins.conform.tests.mutants import column
 from quickreturn.plugins.studies.uncertainty.table_model import TableModel
 from quickreturn.reference_model.errors import ImpossibleMechanism

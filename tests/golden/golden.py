@@ -19,17 +19,17 @@ import numpy as np
 import pandas as pd
 
 from quickreturn.cases.comparison.campaign import carry_out
-from quickreturn.cases.files.case_file import load_case
-from quickreturn.cases.library import case_names
+from quickreturn.cases.library import case_names, load_case
 from quickreturn.cases.motion.request import Run, RunRequest
+from quickreturn.cases.running.isolation import LocalProcesses
 from quickreturn.cases.running.job import Job, Limits
-from quickreturn.cases.running.processes import LocalProcesses
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
+from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import EngineFailure, Refusal
 from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.registry import MAIN, engine
-from quickreturn.engines.scene import simulate_scene
+from quickreturn.engines.start import standard_start
 from quickreturn.plugins.methods.rivals import RIVALS
 from quickreturn.reference_model.mechanism import Mechanism
 
@@ -51,7 +51,7 @@ def trajectory_row(case: str, name: str) -> Row:
     """RMS and projection of the estimated columns over the case's duration at the default accuracy, from the standard start."""
     loaded = load_case(case)
     try:
-        result = simulate_scene(engine(name), loaded.scene, loaded.duration, loaded.output_step)
+        result = simulate(engine(name), loaded.scene, standard_start(loaded.scene), loaded.duration, loaded.output_step)
     except Refusal:
         return {"status": "refused"}
     except EngineFailure as failure:

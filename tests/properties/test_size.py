@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 from hypothesis import strategies as st
 
+from quickreturn.engines.accurate import simulate
 from quickreturn.engines.registry import MAIN, engine
-from quickreturn.engines.scene import simulate_scene
 from quickreturn.engines.settings import Settings
+from quickreturn.engines.start import standard_start
 from quickreturn.plugins.methods.rivals import RIVALS
 from quickreturn.reference_model.mechanism import PrescribedSpeed
 from tests.engines.scenes import run_24
@@ -146,7 +147,7 @@ def test_claims_and_settings_that_reach_an_accuracy_fit_the_size(name: str, size
     """
     asked, scene = engine(name), machine(name)
     expected, found = (
-        simulate_scene(asked, each, 0.1 * time, 1e-3 * time, accuracy=asked.default_accuracy)
+        simulate(asked, each, standard_start(each), 0.1 * time, 1e-3 * time, accuracy=asked.default_accuracy)
         for each, time in ((scene, 1.0), (size.scene(scene), size.time))
     )
     if name == "exudyn":  # its steps are in seconds

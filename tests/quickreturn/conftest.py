@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import pytest
 
+from quickreturn.cases.running.isolation import LocalProcesses
 from quickreturn.cases.running.job import Job
-from quickreturn.cases.running.processes import LocalProcesses
 from quickreturn.cases.running.store import VARIABLE
 from quickreturn.command_line import main
 from tests.engines.fake_package import FAKE_ENGINE, install

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.files.keys import PATHS
+from quickreturn.cases.library import load_case
 from quickreturn.reference_model.scene_values import SPIN_UP
 from tests.quickreturn.conftest import Call
 from tests.quickreturn.input.answers import refused

@@ -12,14 +12,14 @@ from matplotlib.text import Annotation
 from PIL import Image
 
 import quickreturn as qr
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
+from quickreturn.engines.accurate import simulate
 from quickreturn.engines.registry import engine
-from quickreturn.engines.scene import simulate_scene
+from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.columns import SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
-from quickreturn.reports.drawing.animation import FRAMES, last_turn, moving
-from quickreturn.reports.drawing.mechanism import LARGEST, POINTS, factor_for, mechanisms, positions_of, unbent
+from quickreturn.reports.drawing.mechanism import FRAMES, LARGEST, POINTS, factor_for, last_turn, mechanisms, moving, positions_of, unbent
 from quickreturn.reports.output import OutputError
 from tests.quickreturn.conftest import Call
 from tests.quickreturn.scene_file import SCENE
@@ -30,7 +30,9 @@ CASE = load_case("thesis-24")
 @pytest.fixture(scope="module")
 def trajectory() -> Trajectory:
     """Half a second of run 24: more than one turn."""
-    return simulate_scene(engine("reference"), CASE.scene, 0.5, 1e-3, {"modes": "3", "tolerance": "1e-6"}, estimate=False).trajectory
+    return simulate(
+        engine("reference"), CASE.scene, standard_start(CASE.scene), 0.5, 1e-3, {"modes": "3", "tolerance": "1e-6"}, estimate=False
+    ).trajectory
 
 
 def test_the_drawn_follower_passes_through_the_slider_and_ends_at_the_tip(trajectory: Trajectory) -> None:
@@ -99,7 +101,7 @@ def test_a_trajectory_that_does_not_tell_its_shape_is_refused(trajectory: Trajec
 @pytest.fixture
 def few_frames(monkeypatch: pytest.MonkeyPatch) -> None:
     """A turn in few pictures: each takes some hundredths of a second."""
-    monkeypatch.setattr("quickreturn.reports.drawing.animation.FRAMES", 6)
+    monkeypatch.setattr("quickreturn.reports.drawing.mechanism.FRAMES", 6)
 
 
 @pytest.mark.usefixtures("few_frames")
@@ -120,7 +122,9 @@ def test_a_solution_is_drawn_moving_to_a_picture_or_a_page(tmp_path: Path) -> No
 def test_a_case_without_a_crank_can_be_drawn() -> None:
     case = load_case("spin-up")
     assert not isinstance(case.scene, Mechanism)
-    found = simulate_scene(engine("reference"), case.scene, 1.0, 0.05, {"modes": "3", "tolerance": "1e-6"}, estimate=False).trajectory
+    found = simulate(
+        engine("reference"), case.scene, standard_start(case.scene), 1.0, 0.05, {"modes": "3", "tolerance": "1e-6"}, estimate=False
+    ).trajectory
     assert Image.open(io.BytesIO(moving(case, {"reference": found}, ".webp"))).size == (720, 390)
 
 

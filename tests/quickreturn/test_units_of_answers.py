@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from quickreturn.cases.comparison.engines import CaseResult
-from quickreturn.cases.files.printable import in_lines
+from quickreturn.cases.files.shown import in_lines
 from quickreturn.plugins.strength.case_loads import loads_of_case
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.verdict_text import parts_of

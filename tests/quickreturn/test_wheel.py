@@ -74,8 +74,8 @@ VERIFICATION = """
 import json
 from quickreturn.cases.running.key import code_fingerprint
 from quickreturn.cases.running.store import Store
-from quickreturn.cases.files.whole_file import write_atomically
-from quickreturn.reports.verification import FILE, PARTS
+from quickreturn.cases.running.store import write_atomically
+from quickreturn.reports.page.content import FILE, PARTS
 chapter = {"title": "Faults", "text": "All of it survived.", "columns": ["fault", "share"], "rows": [["disk full", 0.5]]}
 document = {"code": code_fingerprint(PARTS), "date": "today", "chapters": [chapter]}
 write_atomically(Store().folder / FILE, json.dumps(document).encode())
@@ -94,7 +94,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
         target.parent.mkdir(parents=True, exist_ok=True)
         if (ROOT / name).exists():
             shutil.copy(ROOT / name, target, follow_symlinks=False)
-    ship = [sys.executable, "-P", "-m", "quickreturn.reference_model.ship"]
+    ship = [sys.executable, "-P", "-m", "quickreturn.reference_model.entries"]
     subprocess.run(ship, check=True, capture_output=True, cwd=folder, env={**clean(), "PYTHONPATH": str(folder / "source")})
     command = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--wheel-dir", str(folder), str(folder / "source")]
     subprocess.run(command, check=True, capture_output=True, cwd=folder)

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.rigid import follower_inertia, rigid_kinetostatics, rigid_motion, spring_across, tool_across
 from quickreturn.reference_model.spring import pull_of
-from quickreturn.reference_model.tip_force import tip_force
+from quickreturn.reference_model.tip import tip_force
 
 Array = NDArray[np.float64]
 

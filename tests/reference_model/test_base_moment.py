@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from quickreturn.reference_model.base_moment import needs_base_shape
+from quickreturn.reference_model.beam.modes import needs_base_shape
 from quickreturn.reference_model.beam.tables import following
 from quickreturn.reference_model.mechanism import Base, Mechanism
 from quickreturn.reference_model.model import BeamModel

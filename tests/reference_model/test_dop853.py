@@ -12,8 +12,8 @@ from numpy.polynomial.polynomial import polyval
 
 from quickreturn.reference_model import dop853_loop as dop853
 from quickreturn.reference_model import integrate
+from quickreturn.reference_model.interpolation import spline_coefficients
 from quickreturn.reference_model.native.pointers import numbers_at
-from quickreturn.reference_model.splines import spline_coefficients
 
 
 def trees(order: int) -> list[tuple[Any, ...]]:

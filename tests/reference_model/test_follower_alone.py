@@ -8,11 +8,10 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from quickreturn.reference_model.errors import ImpossibleMechanism
-from quickreturn.reference_model.mechanism import Base
+from quickreturn.reference_model.mechanism import Base, base_motion
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.natural_modes import clamped_modes
 from quickreturn.reference_model.shapes import hermite_elements
-from quickreturn.reference_model.spin_up import base_motion
 from quickreturn.reference_model.thesis.model import ThesisModel
 from quickreturn.reference_model.tip import Tip
 from tests.engines.scenes import FOLLOWER_ALONE as SCENE

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import legendre
 
-from quickreturn.reference_model.gauss_points import integrals_to_points, lagrange_weights
+from quickreturn.reference_model.interpolation import integrals_to_points, lagrange_weights
 
 
 @pytest.mark.parametrize("count", [1, 7, 15, 31])

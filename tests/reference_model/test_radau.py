@@ -9,9 +9,7 @@ import pytest
 from numba import types
 
 from quickreturn.reference_model import radau_loop
-from quickreturn.reference_model.implicit import Linearisation, radau
-from quickreturn.reference_model.integrate import Equations
-from quickreturn.reference_model.integration import LEFT_FOLLOWER, REACHED_END, Integration
+from quickreturn.reference_model.integrate import LEFT_FOLLOWER, REACHED_END, Equations, Integration, Linearisation, radau
 from quickreturn.reference_model.native.pointers import matrix_at, numbers_at
 
 #: Mass of the second coordinate, kg: residuals are forces.

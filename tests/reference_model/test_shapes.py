@@ -8,8 +8,15 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from quickreturn.reference_model.shapes import ShapeSet, clamped_free_modes, decoupled, hermite_between, hermite_elements, no_shapes
-from quickreturn.reference_model.thesis import tables
-from quickreturn.reference_model.thesis.tables import POINTS, TO_POINTS, UNIT_POINTS, UNIT_WEIGHTS, build_tables
+from quickreturn.reference_model.thesis.parameters import (
+    POINTS,
+    TO_POINTS,
+    UNIT_POINTS,
+    UNIT_WEIGHTS,
+    build_tables,
+    cumulate,
+    partial_weights,
+)
 
 L = 0.7
 
@@ -92,7 +99,7 @@ def test_gauss_points_integrate_degree_eleven_over_a_cell(degree: int) -> None:
 def test_partial_weights_are_exact_to_degree_five(degree: int, u: float) -> None:
     length = 0.4
     weights = np.empty((3, POINTS))
-    tables.partial_weights.py_func(u, length, weights)
+    partial_weights.py_func(u, length, weights)
     integral, value, slope = weights
     samples = UNIT_POINTS**degree
     # rounding of the Lagrange coefficients, which reach 1e3
@@ -105,7 +112,7 @@ def test_partial_weights_are_exact_to_degree_five(degree: int, u: float) -> None
 def test_cumulated_integrals_equal_adaptive_quadrature() -> None:
     t = build_tables(no_shapes(L), 8)
     at_points, at_edges = np.empty_like(t.x), np.empty_like(t.edges)
-    tables.cumulate.py_func(t.edges, np.sin(9.0 * t.x) ** 2, at_points, at_edges)
+    cumulate.py_func(t.edges, np.sin(9.0 * t.x) ** 2, at_points, at_edges)
     for x, found in zip([*t.x[::7], *t.edges], [*at_points[::7], *at_edges], strict=True):
         # a ninth of a wave of sin^2 per cell: sixth-order interpolation errs by 1e-7
         assert found == pytest.approx(quad(lambda z: math.sin(9.0 * z) ** 2, 0.0, x, epsabs=1e-13)[0], abs=1e-7)

@@ -14,7 +14,7 @@ from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
 from quickreturn.reference_model.constants import unslowed
 from quickreturn.reference_model.dop853_loop import CEILING
-from quickreturn.reference_model.integration import REACHED_END
+from quickreturn.reference_model.integrate import REACHED_END
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.natural_modes import frozen_crank_modes, stiffness_ratio

@@ -10,11 +10,11 @@ import numpy as np
 from quickreturn.cases.comparison.engines import CaseResult, compare
 from quickreturn.cases.comparison.tables import recorded_run
 from quickreturn.cases.files.case import Case
-from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.files.recorded import RecordedTable
-from quickreturn.cases.motion.consensus import Consensus
+from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.cycle import ChannelMeasures
 from quickreturn.cases.motion.endings import Ending
+from quickreturn.cases.motion.number import Consensus
 from quickreturn.cases.motion.request import Run
 from quickreturn.cases.motion.time_scale import CHANNELS
 from quickreturn.engines.trajectory import OPTIONAL, REQUIRED

@@ -7,21 +7,19 @@ from pathlib import Path
 
 import pytest
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
+from quickreturn.cases.running.isolation import LocalProcesses
 from quickreturn.cases.running.key import code_fingerprint
-from quickreturn.cases.running.processes import LocalProcesses
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.plugins.conform.records import verdicts
 from quickreturn.plugins.methods.tests.made_up_races import made_up_fronts, made_up_race
 from quickreturn.plugins.methods.tests.pages import of_studies
 from quickreturn.reports import report as report_module
-from quickreturn.reports.machine import machine_facts
 from quickreturn.reports.page.chapters import chapters_of
-from quickreturn.reports.page.content import Content
+from quickreturn.reports.page.content import FILE, PARTS, Content, verification
 from quickreturn.reports.page.render import report_page
-from quickreturn.reports.report import CATALOGUE, write, write_report
-from quickreturn.reports.verification import FILE, PARTS, verification
+from quickreturn.reports.report import CATALOGUE, machine_facts, write, write_report
 from tests.reports import pages
 from tests.reports.conftest import Call
 from tests.reports.pages import content_of

@@ -27,10 +27,9 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 
-from quickreturn.cases.files.case_file import load_case
-from quickreturn.cases.library import case_names
+from quickreturn.cases.library import case_names, load_case
+from quickreturn.cases.running.isolation import LocalProcesses
 from quickreturn.cases.running.job import Job
-from quickreturn.cases.running.processes import LocalProcesses
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.accurate import Result as Accurate

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from quickreturn.cases.motion.consensus import consensus
 from quickreturn.cases.motion.first_mode import FirstMode, fit_first_modes
 from quickreturn.cases.motion.half_cycle import channel_half, half_cycle
+from quickreturn.cases.motion.number import consensus
 from quickreturn.cases.motion.time_scale import TimeScale, time_scale
 from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive
 from tests.engines.scenes import INCH, POUND_FORCE, POUND_MASS, run_24

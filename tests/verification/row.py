@@ -65,7 +65,7 @@ def chapter_of_rows(rows: Sequence[Row], title: str, text: str) -> dict[str, Any
 
 
 def chapter(table: pd.DataFrame, title: str, text: str, digits: int = 17) -> dict[str, Any]:
-    """A table as a chapter of the verification's outcome (`reports.verification`), its numbers of so many digits."""
+    """A table as a chapter of the verification's outcome (`reports.page.content`), its numbers of so many digits."""
     rows = [[_plain(value, digits) for value in row] for row in table.itertuples(index=False)]
     return {"title": title, "text": text, "columns": [str(name).replace("_", " ") for name in table.columns], "rows": rows}
 

@@ -11,17 +11,17 @@ import pytest
 
 import tests.verification.accuracy_campaign
 from quickreturn.cases.library import case_names
+from quickreturn.cases.running.isolation import LocalProcesses
 from quickreturn.cases.running.job import Job, Outcome
-from quickreturn.cases.running.processes import LocalProcesses
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
+from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import Refusal
 from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.registry import engine
-from quickreturn.engines.relative import rms, scale
-from quickreturn.engines.scene import simulate_scene
 from quickreturn.engines.start import standard_start
+from quickreturn.engines.trajectory import rms, scale
 from tests.slices import Portion
 from tests.verification.accuracy_campaign import ACCURACIES, ANSWER, ENGINES, SEED, Request, Row, campaign, library_scenes, main, scene_rows
 from tests.verification.claims import MARGIN, deliveries, judged, left_out, summary
@@ -126,12 +126,14 @@ def test_claims_hold_for_arms_alone(portion: Portion) -> None:
         duration = 2.0 * scene.spin_up.time
         step = duration / 400.0
         truth, less = (
-            simulate_scene(engine("reference"), scene, duration, step, {"modes": modes, "tolerance": "1e-9"}, estimate=False).trajectory
+            simulate(
+                engine("reference"), scene, standard_start(scene), duration, step, {"modes": modes, "tolerance": "1e-9"}, estimate=False
+            ).trajectory
             for modes in ("11", "9")
         )
         for name, accuracy in itertools.product(ENGINES, (None, 1e-2)):
             try:
-                found = simulate_scene(engine(name), scene, duration, step, accuracy=accuracy, time_limit=ANSWER)
+                found = simulate(engine(name), scene, standard_start(scene), duration, step, accuracy=accuracy, time_limit=ANSWER)
             except Refusal:
                 continue
             for column, claim in found.error_estimates.items():

@@ -14,12 +14,11 @@ from quickreturn.cases.comparison.engines import CaseResult
 from quickreturn.cases.comparison.pair import Difference
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.library import library_case
-from quickreturn.cases.library.thesis.runs import run_name
+from quickreturn.cases.library.thesis import run_name
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.request import Run
-from quickreturn.cases.running.isolation import STOPPED
+from quickreturn.cases.running.isolation import STOPPED, LocalProcesses
 from quickreturn.cases.running.job import default_limits
-from quickreturn.cases.running.processes import LocalProcesses
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.registry import engine

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.reference_model.mechanism import Base
 from tests.verification.ladder.overhung_beam import natural_modes
 from tests.verification.ladder.statics_and_modes import mode_rows, rigid_rows, sag_rows, scene_of

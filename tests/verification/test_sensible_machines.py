@@ -19,7 +19,7 @@ from quickreturn.cases.motion.settling import on_common_grid
 from quickreturn.cases.motion.time_scale import CHANNELS
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
-from quickreturn.engines.relative import rms
+from quickreturn.engines.trajectory import rms
 from quickreturn.reference_model.rigid import crank_pace
 from tests.slices import Portion
 from tests.verification.random_machines import sensible_machines

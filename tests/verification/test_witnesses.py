@@ -23,10 +23,9 @@ from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.mujoco.settings import ChainSettings
 from quickreturn.engines.own.reference import ReferenceSettings
 from quickreturn.engines.registry import usable_engine
-from quickreturn.engines.relative import rms
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start, standard_start
-from quickreturn.engines.trajectory import Columns
+from quickreturn.engines.trajectory import Columns, rms
 from quickreturn.plugins.strength.loads import loads_of
 from quickreturn.plugins.studies.sweep.rows import MeasureRequest, row
 from quickreturn.reference_model.columns import AXIAL

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from quickreturn.cases.files.units import in_si
-from quickreturn.cases.library.thesis.data import read_table
-from quickreturn.cases.library.thesis.runs import RUNS, run_case
+from quickreturn.cases.library.thesis import RUNS, read_table, run_case
 
 #: GPa. No wrought aluminium alloy carries more before it yields (7075-T6: 0.50 GPa).
 _HIGHEST_YIELD_STRESS: Final = 0.55

@@ -8,13 +8,16 @@ off by 58 %, by 3 % with a contact four times as soft, and by 70 % with that con
 such an error.
 """
 
+import math
 from typing import Any, Final
 
 import mujoco
 import numpy as np
+import scipy  # whose linear algebra is imported when it is used
 from numpy.typing import NDArray
 
 from quickreturn.engines.mujoco.chain import add_body, add_hinge
+from quickreturn.engines.units import Units
 from quickreturn.reference_model.eigenproblem import eigh
 from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive
 
@@ -104,3 +107,16 @@ def longest_stable_step(scene: Mechanism, links: int, armature: float) -> float:
     """2 over the largest natural angular frequency of the straight chain: the limit of the semi-implicit Euler method."""
     mass, stiffness = straight_chain(scene, links, armature)
     return float(2.0 / np.sqrt(eigh(stiffness, mass)[0][-1]))
+
+
+def natural_frequencies(mechanism: Mechanism, crank_angle: float, count: int, links: int) -> NDArray[np.float64]:
+    """Lowest `count` frequencies, Hz; without armature, which serves the time integration only."""
+    units = Units.of(mechanism)
+    scene = units.scene(mechanism)
+    mass, stiffness = straight_chain(scene, links, 0.0)
+    arm, h = scene.crank.length, scene.follower.length / links
+    slider = math.hypot(scene.pivot_distance - arm * math.cos(crank_angle), arm * math.sin(crank_angle))
+    row = np.maximum(slider - h * np.arange(links), 0.0)  # a hinge moves the point at the slider by its distance
+    free = scipy.linalg.null_space(row[None, :])
+    squares = eigh(free.T @ stiffness @ free, free.T @ mass @ free)[0]
+    return np.sqrt(np.maximum(squares[:count], 0.0)) / (2.0 * math.pi * units.time)

@@ -90,6 +90,6 @@ class MujocoContactEngine(Engine[ContactSettings]):
     def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ContactSettings) -> NDArray[np.float64]:
         """Those of the straight chain on a support without give: the contact has no stiffness in N/m, only a time constant."""
         self.check(mechanism)
-        from quickreturn.plugins.as_built.contact.modes import natural_frequencies
+        from quickreturn.plugins.as_built.contact.chain import natural_frequencies
 
         return natural_frequencies(mechanism, crank_angle, count, settings.links)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from quickreturn.plugins.as_built.constructions import Construction, built
+from quickreturn.plugins.as_built.chapter import Construction, built
 
 ROOT = Path(__file__).resolve().parents[3]
 

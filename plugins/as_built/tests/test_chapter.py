@@ -5,8 +5,7 @@ from dataclasses import replace
 import pytest
 
 from quickreturn.plugins.as_built import chapter as chapter
-from quickreturn.plugins.as_built.chapter import close_words, finding, narrow_words
-from quickreturn.plugins.as_built.constructions import Construction, built
+from quickreturn.plugins.as_built.chapter import Construction, built, close_words, finding, narrow_words
 from tests.reports import pages
 from tests.reports.pages import plain
 

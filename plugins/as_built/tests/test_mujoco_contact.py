@@ -10,9 +10,9 @@ from quickreturn.engines.accurate import Result, simulate
 from quickreturn.engines.base import EngineFailure, Refusal
 from quickreturn.engines.mujoco.chain import mass_matrix
 from quickreturn.engines.registry import engine
-from quickreturn.engines.relative import relative_error
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.start_state import reconstruct
+from quickreturn.engines.trajectory import relative_error
 from quickreturn.plugins.as_built.contact import chain
 from quickreturn.plugins.as_built.contact.settings import ContactSettings
 from quickreturn.plugins.as_built.contact.simulation import ContactSimulation

@@ -17,10 +17,9 @@ from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.registry import engine
 from quickreturn.engines.simple import SimpleEngine
 from quickreturn.plugins.conform import promises as ladder_checks
-from quickreturn.plugins.conform.behaviour import failures, repetition
 from quickreturn.plugins.conform.bench import FOLLOWERS, Bench, Check, Fault, check_by, first_modelled
 from quickreturn.plugins.conform.columns import examined, relation
-from quickreturn.plugins.conform.contract import GROUPS, conform
+from quickreturn.plugins.conform.contract import GROUPS, conform, failures, repetition
 from quickreturn.plugins.conform.motion import check_first_row, motion
 from quickreturn.plugins.conform.promises import climb, frequencies, ladder, stated_errors
 from quickreturn.plugins.conform.quantities import alone, followed, together, turning, with_everything

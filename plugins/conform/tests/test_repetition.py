@@ -7,9 +7,8 @@ from typing import Any
 import pytest
 
 from quickreturn.engines.own.reference import ReferenceEngine
-from quickreturn.plugins.conform.behaviour import ALONE, IN_TURN, PARTS, Results, columns_of, elsewhere, repetition
 from quickreturn.plugins.conform.bench import Bench
-from quickreturn.plugins.conform.contract import conform
+from quickreturn.plugins.conform.contract import ALONE, IN_TURN, PARTS, Results, columns_of, conform, elsewhere, repetition
 from quickreturn.plugins.conform.tests.mutants import BuiltForAFollower, Keeps, KeepsCrank, KeepsFollower, KeepsTip, Threaded
 
 Elsewhere = tuple[Results, Results] | str

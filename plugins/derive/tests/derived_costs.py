@@ -17,8 +17,8 @@ from quickreturn.plugins.derive.tests.reference.by_hand import by_hand, sizes
 from quickreturn.plugins.derive.tests.reference.derived_beam import TERMS, DerivedBeam
 from quickreturn.plugins.derive.witness.description import constants, quick_return
 from quickreturn.reference_model import motion
+from quickreturn.reference_model.joint import CLOSED
 from quickreturn.reference_model.model import BeamModel
-from quickreturn.reference_model.slider_constraint import CLOSED
 from tests.engines.scenes import run_24
 from tests.reference_model.motion.beam_states import rates
 

@@ -7,10 +7,9 @@ pytest.importorskip("casadi")
 
 from quickreturn.engines.base import AnyEngine
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
-from quickreturn.engines.relative import scale
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import standard_start
-from quickreturn.engines.trajectory import Trajectory
+from quickreturn.engines.trajectory import Trajectory, scale
 from quickreturn.plugins.derive.witness.engine import DerivedEngine, DerivedSettings
 from tests.engines.scenes import run_24
 

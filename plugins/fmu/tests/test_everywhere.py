@@ -13,7 +13,7 @@ from quickreturn.cases.motion.orbit import begins_in_orbit
 from quickreturn.command_line import main
 from quickreturn.engines.registry import UnknownEngine, engine
 from quickreturn.plugins.fmu.tests.build import Make
-from quickreturn.plugins.studies.public.uncertainty import study_of
+from quickreturn.plugins.studies.uncertainty.study import study_of
 
 STUDY = """
 case = "case.toml"

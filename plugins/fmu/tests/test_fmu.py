@@ -15,10 +15,10 @@ import quickreturn as qr
 from quickreturn.cases.files.errors import CaseError
 from quickreturn.cases.files.text_file import read_text
 from quickreturn.command_line import main
+from quickreturn.engines.accurate import check_scene
 from quickreturn.engines.base import AnyEngine, EngineFailure, Refusal
 from quickreturn.engines.own.reference import ReferenceEngine
 from quickreturn.engines.registry import engine, usable_engine
-from quickreturn.engines.scene import check_scene
 from quickreturn.plugins.conform.bench import Motion
 from quickreturn.plugins.conform.contract import conform
 from quickreturn.plugins.conform.scenes import ALONE as SCENE

@@ -8,11 +8,10 @@ import numpy as np
 
 from quickreturn.cases.comparison.engines import REFERENCE, CaseResult
 from quickreturn.cases.motion.endings import Ending
+from quickreturn.reports.engine_differences import engines_of
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
-from quickreturn.reports.results.engine_differences import engines_of
-from quickreturn.reports.tables.cells import CASE
-from quickreturn.reports.tables.table import Cell, Column, ColumnList, Table
+from quickreturn.reports.tables import CASE, Cell, Column, ColumnList, Table
 from quickreturn.reports.words import cost, number
 
 #: Parts of a disturbance that are left when a marched run counts as settled, and when no measure sees it any more.

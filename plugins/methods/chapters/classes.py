@@ -14,7 +14,7 @@ from quickreturn.reports.line_styles import looks
 from quickreturn.reports.long_studies import about
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
-from quickreturn.reports.tables.table import Cell, Column, Table
+from quickreturn.reports.tables import Cell, Column, Table
 from quickreturn.reports.words import counted, duration, number, percent, size, times, won
 
 #: Strength of the winner's colour in a cell, %: for a runner-up that is as fast, and for one that takes ten times as long or more.

@@ -22,7 +22,7 @@ from quickreturn.plugins.methods.row import (
 from quickreturn.plugins.methods.studies import REQUESTED, hard_scenes_of
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
-from quickreturn.reports.tables.table import Cell, Column, ColumnList, Mark, Table
+from quickreturn.reports.tables import Cell, Column, ColumnList, Mark, Table
 from quickreturn.reports.words import TIED, counted, number, settings_words, size
 
 #: The look of a status. The cell also contains its words, so that colour alone carries no information.

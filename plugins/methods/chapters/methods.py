@@ -13,11 +13,9 @@ from quickreturn.plugins.methods.race import LONG, PATIENCE, REPETITIONS, Race
 from quickreturn.plugins.methods.row import LEVELS, REACHED, Row
 from quickreturn.plugins.methods.studies import CHOSEN, SCENES, Fronts, compiling_of, fronts_of
 from quickreturn.plugins.methods.truth import CONFIRMED
-from quickreturn.reports.page.chapter import Chapter
+from quickreturn.reports.page.chapter import Chapter, Plot, Series
 from quickreturn.reports.page.content import Content
-from quickreturn.reports.page.plot import Plot, Series
-from quickreturn.reports.tables.cells import CASE
-from quickreturn.reports.tables.table import Cell, Column, Table
+from quickreturn.reports.tables import CASE, Cell, Column, Table
 from quickreturn.reports.words import case_label, duration, number, percent, settings_words, size, times
 
 #: Engines that are packages of other authors, in this project's adapters.

@@ -16,7 +16,7 @@ from quickreturn.reference_model.native.compilation import inner
 from quickreturn.reference_model.native.memory import Cube, Matrix, Vector
 from quickreturn.reference_model.native.pointers import reader
 from quickreturn.reference_model.state import BY_DRIVE, DISSIPATED
-from quickreturn.reference_model.tip_force import tool_force
+from quickreturn.reference_model.tip import tool_force
 
 Array = NDArray[Any]
 

@@ -9,8 +9,7 @@ from quickreturn.plugins.methods.moving_boundaries import tables as t
 from quickreturn.plugins.methods.moving_boundaries.equations import MovingBoundariesParameters, MovingBoundariesWorkspace
 from quickreturn.plugins.methods.moving_boundaries.observables import observables
 from quickreturn.reference_model.constants import characteristic_frequency, constants, crank_speed_scale, pace
-from quickreturn.reference_model.integrate import Equations, dop853
-from quickreturn.reference_model.integration import Integration
+from quickreturn.reference_model.integrate import Equations, Integration, dop853
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.native.memory import Placed
 from quickreturn.reference_model.native.objects import Entry

@@ -12,7 +12,7 @@ from quickreturn.reference_model.columns import BENDING, PLACES, SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.rigid import RigidMotion, follower_inertia, rigid_motion
 from quickreturn.reference_model.state import BY_DRIVE, DISSIPATED, State
-from quickreturn.reference_model.tip_force import tip_force
+from quickreturn.reference_model.tip import tip_force
 
 Array = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from quickreturn.reference_model.beam.modes import ModeFamily
 from quickreturn.reference_model.beam.tables import following
-from quickreturn.reference_model.gauss_points import integrals_to_points
+from quickreturn.reference_model.interpolation import integrals_to_points
 from quickreturn.reference_model.mechanism import Mechanism
 
 Array = NDArray[np.float64]

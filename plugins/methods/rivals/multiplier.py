@@ -8,8 +8,8 @@ from quickreturn.engines.own.beam_engine import time_over_run_24
 from quickreturn.engines.settings import setting
 from quickreturn.plugins.methods.rivals.rival import Rival, RivalEngine
 from quickreturn.plugins.methods.rivals.staying_shapes import ShapeSettings, compared_shapes, ladder_of, shapes_of
+from quickreturn.reference_model.joint import MULTIPLIER, SliderConstraint
 from quickreturn.reference_model.mechanism import Mechanism, Scene
-from quickreturn.reference_model.slider_constraint import MULTIPLIER, SliderConstraint
 
 
 @dataclass(frozen=True, kw_only=True)

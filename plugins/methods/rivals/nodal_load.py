@@ -8,9 +8,9 @@ from quickreturn.engines.ladder import Ladder
 from quickreturn.engines.own.beam_engine import BeamSettings, time_over_run_24
 from quickreturn.engines.settings import setting
 from quickreturn.plugins.methods.rivals.rival import Rival, RivalEngine
+from quickreturn.reference_model.joint import CHORDS, LEVER, MULTIPLIER, SliderConstraint
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.shapes import ShapeSet, hermite_elements
-from quickreturn.reference_model.slider_constraint import CHORDS, LEVER, MULTIPLIER, SliderConstraint
 
 _DISTRIBUTIONS: Final = {"lever": LEVER, "consistent": MULTIPLIER, "both linear": CHORDS}
 

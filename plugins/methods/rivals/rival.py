@@ -19,9 +19,9 @@ from quickreturn.engines.own.beam_engine import (
     compared_integration,
     compared_slowing,
 )
+from quickreturn.reference_model.joint import CLOSED, SliderConstraint
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.shapes import ShapeSet, no_shapes
-from quickreturn.reference_model.slider_constraint import CLOSED, SliderConstraint
 
 if TYPE_CHECKING:
     from quickreturn.reference_model.model import BeamModel

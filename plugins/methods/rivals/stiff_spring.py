@@ -12,10 +12,9 @@ from quickreturn.engines.settings import setting
 from quickreturn.plugins.methods.rivals.rival import Rival, RivalEngine
 from quickreturn.plugins.methods.rivals.staying_shapes import LADDER as SHAPES
 from quickreturn.plugins.methods.rivals.staying_shapes import ShapeSettings, compared_shapes, shapes_of
-from quickreturn.reference_model import slider_constraint
-from quickreturn.reference_model.joint import Rollers, friction_in_words, joint_in_words, rollers
+from quickreturn.reference_model import joint
+from quickreturn.reference_model.joint import Rollers, SliderConstraint, friction_in_words, joint_in_words, rollers
 from quickreturn.reference_model.mechanism import Mechanism, Scene
-from quickreturn.reference_model.slider_constraint import SliderConstraint
 
 LEAST_STIFFNESS: Final = 1e-30  # N/m
 MOST_STIFFNESS: Final = 1e30  # N/m
@@ -81,8 +80,8 @@ def constraint(settings: StiffSpringSettings, scene: Scene) -> SliderConstraint:
     """The scene's joint if that is compliant, else the stiff spring and the damper of the settings."""
     if scene.slider.is_rigid:
         spring = Rollers(plus=settings.stiffness, minus=settings.stiffness, damping=settings.damping)
-        return SliderConstraint(kind=slider_constraint.ROLLERS, rollers=spring, inertia=settings.joint_inertia)
-    return SliderConstraint(kind=slider_constraint.ROLLERS, rollers=rollers(scene.slider))
+        return SliderConstraint(kind=joint.ROLLERS, rollers=spring, inertia=settings.joint_inertia)
+    return SliderConstraint(kind=joint.ROLLERS, rollers=rollers(scene.slider))
 
 
 def joint_line(settings: StiffSpringSettings, scene: Scene) -> str:

@@ -11,8 +11,8 @@ import pandas as pd
 
 from quickreturn.engines.base import NoSteadyState
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
-from quickreturn.engines.relative import relative_error
 from quickreturn.engines.start import standard_start
+from quickreturn.engines.trajectory import relative_error
 from quickreturn.plugins.methods.moving_boundaries.model import MovingBoundariesModel
 from quickreturn.plugins.methods.rivals.moving_boundaries import MovingBoundariesEngine, MovingBoundariesSettings
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed

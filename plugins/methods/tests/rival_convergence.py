@@ -13,10 +13,9 @@ import pandas as pd
 from quickreturn.engines.base import Engine, EngineFailure
 from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
-from quickreturn.engines.relative import relative_error
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import standard_start
-from quickreturn.engines.trajectory import Trajectory
+from quickreturn.engines.trajectory import Trajectory, relative_error
 from quickreturn.plugins.methods.rivals import multiplier, nodal_load, stiff_spring
 from quickreturn.plugins.methods.rivals.multiplier import MultiplierSettings
 from quickreturn.plugins.methods.rivals.nodal_load import NodalLoadSettings

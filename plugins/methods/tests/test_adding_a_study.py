@@ -14,7 +14,7 @@ MODULE = '''"""The coarsest settings of exudyn against its finest, in the first 
 
 from dataclasses import replace
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.cases.running.job import Job
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.registry import engine
@@ -39,7 +39,7 @@ def made(name: str) -> list[Row]:
 #: Records the study as `python -m quickreturn.record coarse` does, without processes beside.
 RECORD = """
 from quickreturn import record
-from quickreturn.cases.running.in_process import ThisProcess
+from quickreturn.cases.running.job import ThisProcess
 from quickreturn.cases.running.workshop import Workshop
 record.Workshop = lambda store: Workshop(store, ThisProcess())
 record.main(["coarse"])

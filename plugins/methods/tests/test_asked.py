@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from quickreturn.cases.files.case import Case
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.engines.registry import engine
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.plugins.methods.asked import Clock, asked

@@ -5,14 +5,14 @@ from typing import Any
 
 import pytest
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import Engine
 from quickreturn.engines.own.beam_engine import BeamSettings
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
-from quickreturn.engines.relative import relative_error
 from quickreturn.engines.settings import SettingError, as_texts
 from quickreturn.engines.start import standard_start
+from quickreturn.engines.trajectory import relative_error
 from quickreturn.plugins.methods.rivals import fixed_shapes, moving_boundaries, multiplier, nodal_load, stiff_spring
 from quickreturn.plugins.methods.rivals.fixed_shapes import FixedShapesSettings
 from quickreturn.plugins.methods.rivals.multiplier import MultiplierSettings

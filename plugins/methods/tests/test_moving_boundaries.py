@@ -6,13 +6,12 @@ import math
 import numpy as np
 import pytest
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.engines.base import EngineFailure, Refusal
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.own.simulation import OwnSimulation
-from quickreturn.engines.relative import relative_error
 from quickreturn.engines.start import Start, standard_start
-from quickreturn.engines.trajectory import Trajectory
+from quickreturn.engines.trajectory import Trajectory, relative_error
 from quickreturn.plugins.methods.rivals.moving_boundaries import MovingBoundariesEngine, MovingBoundariesSettings
 from quickreturn.reference_model.mechanism import Base, Mechanism, PrescribedSpeed
 from quickreturn.reference_model.slider import Slider

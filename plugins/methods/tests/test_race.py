@@ -8,10 +8,9 @@ from typing import Any
 import pytest
 
 from quickreturn.cases.files.case import Case
-from quickreturn.cases.files.case_file import load_case
-from quickreturn.cases.library import catalogue
+from quickreturn.cases.library import catalogue, load_case
 from quickreturn.cases.library.hard import TAG
-from quickreturn.cases.running.processes import LocalProcesses
+from quickreturn.cases.running.isolation import LocalProcesses
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.base import EngineFailure

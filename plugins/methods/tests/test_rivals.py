@@ -11,10 +11,9 @@ from quickreturn.engines.mujoco.engine import MujocoEngine
 from quickreturn.engines.mujoco.settings import ChainSettings
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.registry import engine, engine_names
-from quickreturn.engines.relative import relative_error
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import standard_start
-from quickreturn.engines.trajectory import Trajectory
+from quickreturn.engines.trajectory import Trajectory, relative_error
 from quickreturn.plugins.methods.rivals import RIVALS, fixed_shapes, multiplier, nodal_load, stiff_spring
 from quickreturn.plugins.methods.rivals.fixed_shapes import FixedShapesSettings
 from quickreturn.plugins.methods.rivals.multiplier import MultiplierSettings

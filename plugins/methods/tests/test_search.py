@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.engines.registry import engine
 from quickreturn.engines.settings import Settings, setting
 from quickreturn.plugins.methods.fronts import standing

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.files.errors import CaseError
+from quickreturn.cases.library import load_case
 from quickreturn.plugins.methods.signed import read_lines, settings_for
 from tests.quickreturn.conftest import Call
 

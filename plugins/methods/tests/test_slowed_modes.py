@@ -9,9 +9,8 @@ from scipy.optimize import brentq
 
 from quickreturn.engines.base import Engine
 from quickreturn.engines.own.beam_engine import BeamSettings
-from quickreturn.engines.relative import relative_error
 from quickreturn.engines.start import standard_start
-from quickreturn.engines.trajectory import Trajectory
+from quickreturn.engines.trajectory import Trajectory, relative_error
 from quickreturn.plugins.methods.rivals import fixed_shapes, multiplier, nodal_load, stiff_spring
 from quickreturn.plugins.methods.rivals.fixed_shapes import FixedShapesSettings
 from quickreturn.plugins.methods.rivals.multiplier import MultiplierSettings

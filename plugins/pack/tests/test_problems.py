@@ -13,8 +13,7 @@ import pytest
 
 from quickreturn.pack.check import judged
 from quickreturn.plugins.pack import by_hand, derived
-from quickreturn.plugins.pack.bounds import made, written
-from quickreturn.plugins.pack.problems import PROBLEMS
+from quickreturn.plugins.pack.problems import PROBLEMS, made, written
 
 PACK = Path(__file__).resolve().parents[3] / "pack"
 LARGEST = 900_000  # bytes

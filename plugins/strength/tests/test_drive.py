@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 from scipy.special import gamma
 
 from quickreturn.cases.files.case import written_document
-from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.files.written import as_toml
-from quickreturn.cases.library import library_case
+from quickreturn.cases.library import library_case, load_case
 from quickreturn.cases.motion.catalogue import MEASURES, numbers
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.number import Number

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from quickreturn.cases.comparison.engines import CaseResult
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.catalogue import MEASURES, numbers
 from quickreturn.cases.motion.number import Number
 from quickreturn.plugins.strength.case_drive import POINTS, CaseDrive, drive_of, drive_sentences, finding, text_of
 from quickreturn.reports.output import plain as as_plain
+from quickreturn.reports.page.chapter import Plot
 from quickreturn.reports.page.chapters import chapters_of
-from quickreturn.reports.page.plot import Plot
 from quickreturn.verdict_text import as_document
 from tests.reports import pages
 from tests.reports.pages import chapter_of, one_run, plain, read

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.number import Number
 from quickreturn.cases.running.key import hash_of
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings

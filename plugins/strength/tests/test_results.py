@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import quickreturn as qr
-from quickreturn.cases.files.printable import in_lines
+from quickreturn.cases.files.shown import in_lines
 from quickreturn.cases.library import library_case
 from quickreturn.cases.motion.solving import TrajectoryRequest
 from quickreturn.cross_validation import CrossValidation

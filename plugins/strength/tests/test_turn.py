@@ -11,7 +11,7 @@ from scipy.integrate import quad
 
 from quickreturn.cases.comparison.engines import compare
 from quickreturn.cases.files.case import Case
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.request import PeriodicOrbit
 from quickreturn.cases.motion.time_scale import quasi_static_strain

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from quickreturn.cases.files.shown import Units
-from quickreturn.plugins.studies.drawing.axis_labels import key_words, measure_words
+from quickreturn.plugins.studies.drawing import key_words, measure_words
 from quickreturn.plugins.studies.resonance_curve.curve import ResonanceCurve
 from quickreturn.plugins.studies.resonance_curve.search import OF_CURVE
 from quickreturn.reports.drawing.curves import PANEL, WIDE

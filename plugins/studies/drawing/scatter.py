@@ -11,7 +11,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from quickreturn.cases.motion.catalogue import MEASURES
-from quickreturn.plugins.studies.drawing.axis_labels import key_words, measure_words
+from quickreturn.plugins.studies.drawing import key_words, measure_words
 from quickreturn.plugins.studies.uncertainty.scatter import Scatter, Share
 from quickreturn.reports.drawing.curves import PANEL, WIDE
 from quickreturn.reports.drawing.style import BAND, FONT_SIZE, GREY, QUICK, Drawing, legend_above, new_figure, note, tidy

@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 from quickreturn.cases.motion.catalogue import MEASURES
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.stability import NOT_CONVERGED, UNSTABLE
-from quickreturn.plugins.studies.drawing.axis_labels import key_words, measure_words
-from quickreturn.plugins.studies.resonance_curve.range import SPEED
+from quickreturn.plugins.studies.drawing import key_words, measure_words
+from quickreturn.plugins.studies.resonance_curve.curve import SPEED
 from quickreturn.plugins.studies.sweep.grid import Axis
 from quickreturn.plugins.studies.sweep.rows import LEFT, OPEN
 from quickreturn.plugins.studies.sweep.study import Study

@@ -17,14 +17,23 @@ from quickreturn.cases.motion.catalogue import ARGUMENT, MEASURES
 from quickreturn.cases.motion.measure import Measure
 from quickreturn.cases.motion.resonance import resonance
 from quickreturn.cases.running.job import Job
-from quickreturn.cases.running.pieces import Pieces
+from quickreturn.cases.running.records import Pieces
 from quickreturn.engines import progress
 from quickreturn.engines.base import EngineFailure, Refusal
 from quickreturn.engines.error_parts import comparison_by, counted
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
-from quickreturn.plugins.studies.resonance_curve.curve import MULTIPLIER_TOLERANCE, ResonanceCurve, ResonancePeak, SpecialPoint
-from quickreturn.plugins.studies.resonance_curve.measuring import claims_on, driven, numbers_of, topped
-from quickreturn.plugins.studies.resonance_curve.range import SPEED, Range
+from quickreturn.plugins.studies.resonance_curve.curve import (
+    MULTIPLIER_TOLERANCE,
+    SPEED,
+    Range,
+    ResonanceCurve,
+    ResonancePeak,
+    SpecialPoint,
+    claims_on,
+    driven,
+    numbers_of,
+    topped,
+)
 from quickreturn.reference_model.columns import OBSERVED
 from quickreturn.reference_model.cycles.continuation import FIRST_STEP, MOST_POINTS, Branch, Ending, Stretch, enough, stretch, turned
 from quickreturn.reference_model.cycles.cycle_family import CycleFamily

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from quickreturn.cases.files.case import Case
-from quickreturn.cases.files.copies import in_words
+from quickreturn.cases.files.document import in_words
 from quickreturn.cases.files.errors import Argument, CaseError, as_written, nearest_or_all
 from quickreturn.cases.files.keys import PATHS, Written, si_value, text_of, unit_given
 from quickreturn.cases.files.reading import changes_of

@@ -29,8 +29,8 @@ from quickreturn.cases.motion.time_scale import CHANNELS, time_scale
 from quickreturn.engines import progress
 from quickreturn.engines.base import EngineFailure, NoSteadyState, Refusal
 from quickreturn.engines.error_parts import Compared
-from quickreturn.engines.own.found_orbit import FoundOrbit
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
+from quickreturn.engines.own.simulation import FoundOrbit
 from quickreturn.engines.registry import engine as engine_of_name
 from quickreturn.engines.trajectory import Columns
 from quickreturn.reference_model.mechanism import Mechanism

@@ -8,10 +8,9 @@ import math
 
 import numpy as np
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.plugins.studies.around import Around
-from quickreturn.plugins.studies.resonance_curve.curve import ResonanceCurve, ResonancePeak, SpecialPoint
-from quickreturn.plugins.studies.resonance_curve.range import SPEED, Range
+from quickreturn.plugins.studies.resonance_curve.curve import SPEED, Range, ResonanceCurve, ResonancePeak, SpecialPoint
 from quickreturn.plugins.studies.resonance_curve.search import USUAL
 from quickreturn.reference_model.rigid import crank_pace
 

@@ -8,9 +8,8 @@ import pytest
 
 import quickreturn as qr
 from quickreturn.cases.running.key import key_of
-from quickreturn.cases.running.pieces import Pieces
-from quickreturn.cases.running.records import encoded
-from quickreturn.plugins.studies.resonance_curve.range import Range, range_of
+from quickreturn.cases.running.records import Pieces, encoded
+from quickreturn.plugins.studies.resonance_curve.curve import Range, range_of
 from quickreturn.plugins.studies.resonance_curve.search import _followed, job
 from quickreturn.reference_model.cycles.cycle_family import CycleFamily
 from quickreturn.reference_model.cycles.fixed_points import Array, Image

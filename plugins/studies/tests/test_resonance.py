@@ -17,9 +17,8 @@ import quickreturn as qr
 from quickreturn.cases.files.shown import Unit
 from quickreturn.cases.running.key import key_of
 from quickreturn.plugins.studies.around import Around
-from quickreturn.plugins.studies.public.resonance_curves import Resonance
-from quickreturn.plugins.studies.resonance_curve.curve import MULTIPLIER_TOLERANCE, ResonancePeak, SpecialPoint
-from quickreturn.plugins.studies.resonance_curve.range import range_of
+from quickreturn.plugins.studies.resonance_curve.curve import MULTIPLIER_TOLERANCE, ResonancePeak, SpecialPoint, range_of
+from quickreturn.plugins.studies.resonance_curve.resonance import Resonance
 from quickreturn.plugins.studies.resonance_curve.search import checked_scenes, job, job_around
 from quickreturn.reports.drawing.style import picture
 from tests.quickreturn.conftest import Call

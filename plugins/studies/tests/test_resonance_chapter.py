@@ -7,15 +7,15 @@ from pathlib import Path
 
 import pytest
 
-from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.files.shown import METRIC
+from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.catalogue import MEASURES
 from quickreturn.cases.running.job import Job, Limits, Outcome, Watch
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.base import EngineFailure
 from quickreturn.plugins.studies.around import Around, around_of, curves_around, motion_sentences, near_words
-from quickreturn.plugins.studies.chapters.resonance import finding, plot
+from quickreturn.plugins.studies.chapter import finding, plot
 from quickreturn.plugins.studies.resonance_curve.search import USUAL
 from quickreturn.plugins.studies.tests.made_up_resonance import FOLD, OWN, PEAK, RPM, height, made_up_around, speed
 from quickreturn.reports.page.chapters import chapters_of

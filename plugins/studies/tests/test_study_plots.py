@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from matplotlib.patches import PathPatch
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.stability import UNSTABLE
 from quickreturn.plugins.studies.drawing.study import ENDINGS, draw, drawable
-from quickreturn.plugins.studies.public.sweeping import dataset_of, summary
 from quickreturn.plugins.studies.sweep.grid import Grid, axis
 from quickreturn.plugins.studies.sweep.rows import LEFT, MeasureRequest
 from quickreturn.plugins.studies.sweep.study import Study
+from quickreturn.plugins.studies.sweep.sweeping import dataset_of, summary
 from tests.reports.test_line_styles import APART, EYES, lab
 
 DOUBLING = UNSTABLE.format("period doubling")

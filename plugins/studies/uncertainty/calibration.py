@@ -16,18 +16,23 @@ from numpy.typing import NDArray
 from scipy import stats
 from scipy.optimize import least_squares
 
+from quickreturn import descriptions
+from quickreturn.arguments import AnyCase, one_case
 from quickreturn.cases.files.case import Case
-from quickreturn.cases.files.errors import Argument, CaseError, as_written
+from quickreturn.cases.files.errors import Argument, CaseError, as_written, texts_given
 from quickreturn.cases.files.keys import si_text, unit_given
+from quickreturn.cases.files.number_rows import Form
 from quickreturn.cases.files.recorded import RecordedTable
+from quickreturn.cases.running.job import Job, Limits
 from quickreturn.engines.base import EngineFailure, NoSteadyState, Refusal
 from quickreturn.engines.error_parts import comparison_by, counted
 from quickreturn.engines.own.reference import ReferenceSettings
-from quickreturn.engines.relative import rms
+from quickreturn.engines.trajectory import rms
 from quickreturn.plugins.studies.uncertainty.covariance import LOOSE, best_step, covariance, reach, smooth_part, undetermined
 from quickreturn.plugins.studies.uncertainty.fit import PROBABILITY, Fit, FittedParameter
 from quickreturn.plugins.studies.uncertainty.parameters import Parameter, changes, distribution
 from quickreturn.plugins.studies.uncertainty.table_model import TableModel
+from quickreturn.table_comparison import AnyTable, as_table
 
 Array = NDArray[np.float64]
 
@@ -106,7 +111,7 @@ class Free:
         return self.value(coordinate) if self.ends is None else self.ends[1] - self.ends[0]
 
 
-def calibrate(case: Case, table: RecordedTable, free: Sequence[str]) -> Fit:
+def calibrated(case: Case, table: RecordedTable, free: Sequence[str]) -> Fit:
     """The parameters with which `reference` is closest to a table from the standard start, or of the steady state.
 
     `free`: keys, each alone or with a range ("tip.center_of_mass = 0 in .. 0.5 in").
@@ -275,3 +280,38 @@ class Search:
             parts += [f"{each.parameter.key} {change}"] if abs(part) >= 0.05 * LOOSE else []
         shown = float(np.sqrt(np.mean((sensitivities @ step) ** 2)))
         return f"{' with '.join(parts)} (changes the columns by {100.0 * shown:.2g} % of their RMS)"
+
+
+def calibrate(
+    case: AnyCase,
+    table: AnyTable,
+    free: str | Sequence[str],
+    *,
+    separator: str | None = None,
+    decimal: str | None = None,
+    skip: int = 0,
+    limits: "Limits | None" = None,
+    quiet: bool = False,
+) -> Fit:
+    """Find the parameters with which `reference` is closest to a recorded table, and how well the table determines them.
+
+    Args:
+        case: a name, a path or a `Case`, for all other values and for the first values of the search.
+        table: a path, a DataFrame or a dictionary of arrays with units in the headings, or what `simulate` or `read_table` returns;
+            it begins in the standard start or shows the steady state.
+        free: keys of a case file, each alone, or with a range in which it lies: "tip.center_of_mass = 0 in .. 0.5 in".
+        separator: sign between the columns of a file; None: recognised.
+        decimal: decimal sign of a file; None: recognised.
+        skip: number of lines above the headings of a file.
+        limits: time and memory limits of the process that computes; None: the default ones.
+        quiet: whether progress on standard error is left out.
+
+    Raises:
+        CaseError: an invalid case, table or key.
+        EngineFailure, Refusal: the case cannot be simulated where the search begins.
+    """
+    chosen, recorded, keys = one_case(case), as_table(table, form=Form(separator, decimal, skip)), texts_given(free, "free", "tip.mass")
+    frees_of(keys, chosen)
+    TableModel(chosen, recorded)
+    job = Job("calibration", calibrated, (chosen, recorded, keys))
+    return descriptions.value_of(descriptions.outcomes([job], "calibration", limits, quiet)[0])

@@ -8,9 +8,9 @@ import numpy as np
 from scipy import stats
 
 from quickreturn.cases.files.case import Case
-from quickreturn.cases.files.copies import LONGEST_NAME
+from quickreturn.cases.files.document import LONGEST_NAME
 from quickreturn.cases.files.keys import text_of, unit_given
-from quickreturn.cases.files.printable import Cell, Printable, Rows
+from quickreturn.cases.files.shown import Cell, Printable, Rows
 from quickreturn.plugins.studies.uncertainty.parameters import Parameter, changes
 
 PROBABILITY: Final = 0.95

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.cases.files.case import Case
-from quickreturn.cases.files.printable import Cell, Printable, Rows
+from quickreturn.cases.files.shown import Cell, Printable, Rows
 from quickreturn.cases.motion.catalogue import measure
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.plugins.studies.uncertainty.chaos import DRAWN, HALF_WIDTH, SEED, Surrogate

@@ -17,8 +17,8 @@ from quickreturn.cases.motion.request import STANDARD
 from quickreturn.engines.base import NoSteadyState
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
-from quickreturn.engines.relative import rms
 from quickreturn.engines.start import standard_start
+from quickreturn.engines.trajectory import rms
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import frozen_crank_modes

@@ -8,7 +8,7 @@ from quickreturn.plugins.thesis.page_data import ThesisData, planted_of, starts_
 from quickreturn.plugins.thesis.sharpness import SIZES, Planted, found_words
 from quickreturn.plugins.thesis.starts import Start
 from quickreturn.reports.page.chapter import Chapter
-from quickreturn.reports.tables.table import Column, Table
+from quickreturn.reports.tables import Column, Table
 from quickreturn.reports.words import counted
 
 #: Of two engines: what both take from the same place, and the check that covers it.

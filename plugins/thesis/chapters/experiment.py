@@ -5,16 +5,12 @@ from typing import Any
 
 from quickreturn.cases.comparison.engines import REFERENCE, CaseResult
 from quickreturn.engines.registry import MODEL, own_engines
-from quickreturn.plugins.thesis.axes import COLUMNS, AxisComparison, axis_comparisons, fits_worse, measured_alone, ratios_of
-from quickreturn.plugins.thesis.experiment import channel_is_usable, measured_crank_speed
-from quickreturn.plugins.thesis.experiment.published import below_aluminium
-from quickreturn.plugins.thesis.measured import counts
-from quickreturn.plugins.thesis.page_data import ThesisData
-from quickreturn.plugins.thesis.runs import thesis_runs
+from quickreturn.plugins.thesis.axes import COLUMNS, AxisComparison, axis_comparisons, fits_worse, measured_alone, ratios_of, thesis_runs
+from quickreturn.plugins.thesis.experiment import below_aluminium, channel_is_usable, measured_crank_speed
+from quickreturn.plugins.thesis.page_data import ThesisData, counts
+from quickreturn.reports.engine_differences import engines_of
 from quickreturn.reports.page.chapter import Chapter
-from quickreturn.reports.results.engine_differences import engines_of
-from quickreturn.reports.tables.cells import CASE, CHANNEL
-from quickreturn.reports.tables.table import Cell, Column, ColumnList, Table
+from quickreturn.reports.tables import CASE, CHANNEL, Cell, Column, ColumnList, Table
 from quickreturn.reports.words import listed, number, percents, span
 
 

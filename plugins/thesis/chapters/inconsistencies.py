@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 
+from quickreturn.cases.library.thesis import RUNS
 from quickreturn.cases.library.thesis.inconsistencies import Inconsistency, inconsistencies
-from quickreturn.cases.library.thesis.runs import RUNS
 from quickreturn.plugins.thesis.page_data import ThesisData
 from quickreturn.reports.page.chapter import Chapter
-from quickreturn.reports.tables.table import Column, Table
+from quickreturn.reports.tables import Column, Table
 from quickreturn.reports.words import counted
 
 

@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from quickreturn.cases.motion.consensus import consensus
 from quickreturn.cases.motion.cycle import HALVES
 from quickreturn.cases.motion.first_mode import FirstMode, fit_first_modes
 from quickreturn.cases.motion.half_cycle import channel_half, half_cycle
 from quickreturn.cases.motion.marching import March, output_step, periodic_cycle
+from quickreturn.cases.motion.number import consensus
 from quickreturn.cases.motion.orbit import PeriodicStart
 from quickreturn.cases.motion.settling import Cycle
 from quickreturn.cases.motion.time_scale import CHANNELS, TimeScale, time_scale

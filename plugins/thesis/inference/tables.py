@@ -4,11 +4,11 @@ from collections.abc import Sequence
 from typing import Final
 
 from quickreturn.plugins.thesis.experiment import statements
-from quickreturn.plugins.thesis.inference.confirmation import ENGINES, Confirmation
+from quickreturn.plugins.thesis.inference.study import ENGINES, Confirmation
 from quickreturn.plugins.thesis.inference.unknowns import NAMES, PRINTED, UNKNOWNS
 from quickreturn.plugins.thesis.inference.weights import EXPLANATIONS, MAIN, MASS, PRIORS, SETS, SOFT_AFTER, Inference
 from quickreturn.plugins.thesis.inference.words import LABELS, RING_FREQUENCY, RING_SEEN
-from quickreturn.reports.tables.table import Column, Table
+from quickreturn.reports.tables import Column, Table
 from quickreturn.reports.words import HALF, number, percent, percents, span
 
 _QUANTILES: Final = ("quantile_5", "quantile_50", "quantile_95")

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
-from quickreturn.cases.library.thesis.runs import run_case
+from quickreturn.cases.library.thesis import run_case
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.scene_values import value_at
 

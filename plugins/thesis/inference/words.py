@@ -65,7 +65,7 @@ class Predicted:
 
     by_run: Mapping[str, Sequence[Emulated]]  # logarithm of the ratio simulation / machine
     single: Mapping[str, Emulated]  # of run 24: "first" and "ring" (Hz), "seen" and "signs" (probability), logarithms of peaks
-    ring_with_mass: tuple[Array, Array]  # Hz, in either of the modes of `joint.moved_by_mass`
+    ring_with_mass: tuple[Array, Array]  # Hz, in either of the modes of `weights.moved_by_mass`
 
 
 def published() -> Words:

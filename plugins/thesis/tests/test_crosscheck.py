@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from quickreturn.cases.library.thesis.runs import RUNS
+from quickreturn.cases.library.thesis import RUNS
 from quickreturn.cases.motion.time_scale import CHANNELS
-from quickreturn.cases.running.in_process import ThisProcess
+from quickreturn.cases.running.job import ThisProcess
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.plugins.thesis.chapters.crosscheck import finding, planted_table, starts_table

@@ -7,8 +7,14 @@ from pathlib import Path
 import pytest
 
 from quickreturn.cases.files.errors import CaseError
-from quickreturn.plugins.thesis.experiment import axis_labels, channel_is_usable, measured_crank_speed, statements
-from quickreturn.plugins.thesis.experiment.recordings import FOLDER_VARIABLE, experiment_tables
+from quickreturn.plugins.thesis.experiment import (
+    FOLDER_VARIABLE,
+    axis_labels,
+    channel_is_usable,
+    experiment_tables,
+    measured_crank_speed,
+    statements,
+)
 
 
 def test_the_example_of_the_readme_has_the_form_that_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -5,13 +5,13 @@ import dataclasses
 import pytest
 
 from quickreturn.cases.comparison.engines import CaseResult, compare
-from quickreturn.cases.motion.consensus import Consensus
+from quickreturn.cases.motion.number import Consensus
 from quickreturn.cases.motion.time_scale import CHANNELS
 from quickreturn.plugins.thesis.axes import AxisComparison, axis_comparisons, fits_worse, measured_alone, misfit
-from quickreturn.plugins.thesis.measured import statement_values
-from quickreturn.reports.page.answer import answer_of
+from quickreturn.plugins.thesis.page_data import statement_values
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.content import MeasuredHalf, measured_halves
+from quickreturn.reports.page.first_screen import answer_of
 from tests.changed_run import changed_run
 from tests.reports.pages import content_of
 from tests.reports.plotted_results import with_table

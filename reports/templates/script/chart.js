@@ -1,4 +1,4 @@
-// Charts of the chapters as SVG, from their description (reports/page/plot.py): points and lines over two axes, or rows of points.
+// Charts of the chapters as SVG, from their description (reports/page/chapter.py): points and lines over two axes, or rows of points.
 
 /** A number on an axis: powers of ten beyond 0.001 and a million. */
 function onAxis(value) {

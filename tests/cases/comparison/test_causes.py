@@ -12,8 +12,8 @@ from scipy.signal import butter, lfilter
 
 from quickreturn.cases.comparison.causes import UNEXPLAINED, Causes, Explained, Explanation, causes
 from quickreturn.cases.comparison.tables import recorded_run
-from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.files.recorded import table_of
+from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.request import Run, RunRequest
 from quickreturn.cases.motion.steady_state import steady_state
 from quickreturn.engines.accurate import simulate

@@ -8,10 +8,10 @@ import pytest
 
 from quickreturn.cases.comparison.engines import CaseResult, compare, not_judged
 from quickreturn.cases.comparison.pair import CONSENSUS, WAVEFORM, Difference
-from quickreturn.cases.files.case_file import load_case
-from quickreturn.cases.motion.consensus import Consensus
+from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.cycle import ChannelMeasures
 from quickreturn.cases.motion.endings import Ending
+from quickreturn.cases.motion.number import Consensus
 from quickreturn.cases.motion.request import Run
 from quickreturn.cases.motion.time_scale import CHANNELS
 from tests.changed_run import changed_run, measured

@@ -12,9 +12,9 @@ import pytest
 from quickreturn.cases.comparison.causes import QUANTITIES, UNEXPLAINED, Explanation, causes, column_differences, places
 from quickreturn.cases.comparison.engines import CaseResult, compare
 from quickreturn.cases.comparison.tables import recorded_run
-from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.files.errors import CaseError
 from quickreturn.cases.files.recorded import read_table
+from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.request import Run, RunRequest
 from quickreturn.cases.motion.steady_state import steady_state

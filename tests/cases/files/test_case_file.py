@@ -5,8 +5,8 @@ import math
 import pytest
 
 from quickreturn.cases.files.case import parse_case
-from quickreturn.cases.files.case_file import with_times
 from quickreturn.cases.files.errors import CaseError
+from quickreturn.cases.library import with_times
 from quickreturn.reference_model.mechanism import TorqueDrive
 from tests.cases.files.scene_texts import SCENE, changed, numbers
 

@@ -17,13 +17,13 @@ from quickreturn.cases.files.units import DIMENSIONS
 from quickreturn.cases.running.key import key_of
 from quickreturn.engines.base import Refusal
 from quickreturn.engines.own.reference import ReferenceEngine
-from quickreturn.plugins.studies.resonance_curve.range import range_of
+from quickreturn.plugins.studies.resonance_curve.curve import range_of
 from quickreturn.plugins.studies.resonance_curve.search import checked_scenes, job
 from quickreturn.plugins.studies.sweep.grid import OF_START, Grid, axis, scenes_of
 from quickreturn.plugins.studies.sweep.rows import MeasureRequest
 from quickreturn.plugins.studies.uncertainty.calibration import Search, frees_of
 from quickreturn.plugins.studies.uncertainty.parameters import Parameter, changes
-from quickreturn.plugins.studies.uncertainty.propagation import planned
+from quickreturn.plugins.studies.uncertainty.study import planned
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.scene_values import values_of
 from quickreturn.reference_model.slider import Slider

@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 
 from quickreturn.cases.files.case import parse_case
-from quickreturn.cases.files.case_file import load_case, with_times
-from quickreturn.cases.files.copies import LONGEST_NAME
+from quickreturn.cases.files.document import LONGEST_NAME
 from quickreturn.cases.files.errors import CaseError
+from quickreturn.cases.library import load_case, with_times
 from tests.cases.files.scene_texts import SCENE
 
 

@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 
 from quickreturn.cases.files.case import document_of, parse_case
-from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.files.errors import CaseError
 from quickreturn.cases.files.written import as_toml
-from quickreturn.cases.library import library_case
+from quickreturn.cases.library import library_case, load_case
 from quickreturn.cases.running.key import hash_of
 from quickreturn.plugins.studies.sweep.grid import Grid, axis, scenes_of
 from quickreturn.plugins.studies.uncertainty.parameters import Parameter

@@ -3,8 +3,7 @@
 import pytest
 
 from quickreturn.cases.files.case import parse_case
-from quickreturn.cases.files.case_file import load_case
-from quickreturn.cases.library import ENTRIES, case_names
+from quickreturn.cases.library import ENTRIES, case_names, load_case
 from tests.cases.files.scene_texts import SCENE
 
 #: Young's modulus and density of what an arm may be made of, from common tables of materials.

@@ -8,10 +8,10 @@ import pint
 import pytest
 
 from quickreturn.cases.files.case import Case, parse_case
-from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.files.errors import CaseError
 from quickreturn.cases.files.keys import PATHS
 from quickreturn.cases.files.shown import METRIC, SETS, Unit, Units, units_named, units_of
+from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.catalogue import MEASURES
 from quickreturn.cases.motion.resonance import Resonance
 from quickreturn.reference_model.columns import COLUMNS

@@ -141,5 +141,5 @@ def test_the_commonest_units_are_what_pint_has(name: str) -> None:
 
 
 def test_a_run_of_the_thesis_does_without_pint() -> None:
-    code = "import sys; from quickreturn.cases.files.case_file import load_case; load_case('thesis-24'); print('pint' in sys.modules)"
+    code = "import sys; from quickreturn.cases.library import load_case; load_case('thesis-24'); print('pint' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "False\n"

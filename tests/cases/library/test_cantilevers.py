@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_bvp
 from scipy.optimize import brentq
 
-from quickreturn.cases.files.case_file import load_case
-from quickreturn.engines.accurate import Result
+from quickreturn.cases.library import load_case
+from quickreturn.engines.accurate import Result, simulate
 from quickreturn.engines.registry import engine
-from quickreturn.engines.scene import simulate_scene
+from quickreturn.engines.start import standard_start
 from quickreturn.reference_model.mechanism import FollowerAlone
 from quickreturn.reference_model.scene_values import changed
 
@@ -32,7 +32,7 @@ def scene_of(name: str, **changes: Any) -> FollowerAlone:
 
 def run(name: str, of: str, scene: FollowerAlone) -> Result:
     case = load_case(of)
-    return simulate_scene(engine(name), scene, case.duration, case.output_step, accuracy=ACCURACY[name])
+    return simulate(engine(name), scene, standard_start(scene), case.duration, case.output_step, accuracy=ACCURACY[name])
 
 
 def elastica(scene: FollowerAlone) -> tuple[float, float]:

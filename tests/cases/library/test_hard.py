@@ -3,9 +3,8 @@ from dataclasses import replace
 
 import pytest
 
-from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.files.errors import CaseError
-from quickreturn.cases.library import case_names, catalogue
+from quickreturn.cases.library import case_names, catalogue, load_case
 from quickreturn.cases.library.hard import IMPOSSIBLE, SCENES, TAG
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
 from quickreturn.reference_model.rigid import rigid_motion

@@ -7,11 +7,10 @@ import pytest
 from quickreturn.cases.comparison.campaign import cross_validate
 from quickreturn.cases.comparison.engines import CaseResult
 from quickreturn.cases.comparison.pair import CONSENSUS, Pair
-from quickreturn.cases.files.case_file import load_case
-from quickreturn.cases.library import case_names
+from quickreturn.cases.library import case_names, load_case
 from quickreturn.cases.motion.cycle import HALVES
 from quickreturn.cases.motion.time_scale import CHANNELS
-from quickreturn.cases.running.processes import LocalProcesses
+from quickreturn.cases.running.isolation import LocalProcesses
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.registry import MAIN

@@ -6,10 +6,10 @@ from decimal import Decimal
 
 import pytest
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.cases.library.hard import SCENES
+from quickreturn.cases.library.thesis import RUNS, run_name, tip_body
 from quickreturn.cases.library.thesis.inconsistencies import inconsistencies
-from quickreturn.cases.library.thesis.runs import RUNS, run_name, tip_body
 
 
 def test_runs_differ_as_the_tables_say() -> None:

@@ -38,7 +38,7 @@ from quickreturn.verdict_text import as_document
 from quickreturn.cross_validation import CrossValidation
 from quickreturn.reports.output import plain
 from quickreturn.reports.report import write
-from quickreturn.plugins.studies.public.resonance_curves import OF_CURVE
+from quickreturn.plugins.studies.resonance_curve.resonance import OF_CURVE
 from tests.reports.pages import one_run
 from tests.reports.reported_results import reported_result
 from tests.witnesses import unconfirmed

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from scipy.integrate import cumulative_simpson
 from scipy.interpolate import CubicSpline
 
-from quickreturn.cases.motion.consensus import consensus
 from quickreturn.cases.motion.cycle import CycleMeasures, measure_cycle, signals_by_half
 from quickreturn.cases.motion.extremes import extremes
+from quickreturn.cases.motion.number import consensus
 from quickreturn.cases.motion.time_scale import CHANNELS, TimeScale, time_scale
 from tests.verification.measures_accuracy import thesis_scene
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 from scipy.optimize import minimize
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.drifting_fit import PRIOR_SCALES, PRIOR_STRENGTH, Fit, Problem, Waves, orthonormal, refined
 from quickreturn.cases.motion.first_mode import DEGREE, FREE_DRIFT, MAIN
 from quickreturn.cases.motion.half_cycle import channel_half, half_cycle, polynomials

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from quickreturn.cases.motion.consensus import Consensus
 from quickreturn.cases.motion.cycle import ChannelMeasures, CycleMeasures
 from quickreturn.cases.motion.estimates import HalfSignal, MeasuredCycle, mean_estimate, turn_estimates, with_estimates
+from quickreturn.cases.motion.number import Consensus
 from quickreturn.cases.motion.time_scale import CHANNELS
 from quickreturn.engines.error_parts import LEAST_FACTOR, Compared
 from tests.changed_run import UNRESOLVED, measured

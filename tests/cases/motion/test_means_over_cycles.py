@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.estimates import HalfSignal, MeasuredCycle, signal_estimates
 from quickreturn.cases.motion.marching import AVERAGED, channels_of, settle

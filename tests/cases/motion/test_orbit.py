@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicHermiteSpline
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.orbit import Curve, Orbit, PeriodicStart, begins_in_orbit, cycles_needed, find_orbit, orbits
 from quickreturn.cases.motion.request import STANDARD, RunRequest
 from quickreturn.cases.motion.settling import GREATEST_NUMBER, TOLERANCE
 from quickreturn.cases.motion.steady_state import steady_state
+from quickreturn.cases.running.isolation import LocalProcesses
 from quickreturn.cases.running.key import hash_of
-from quickreturn.cases.running.processes import LocalProcesses
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.base import NoSteadyState

@@ -6,7 +6,7 @@ from itertools import islice
 import numpy as np
 import pytest
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.marching import March, settle
 from quickreturn.cases.motion.request import RunRequest

@@ -9,8 +9,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from quickreturn.cases.files.case_file import load_case
-from quickreturn.cases.library import case_names
+from quickreturn.cases.library import case_names, load_case
 from quickreturn.cases.motion.cycle import HALVES
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.marching import March, columns_of, output_step, settle, whole_cycles

@@ -5,7 +5,7 @@ import math
 
 import pytest
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.resonance import resonance, slow_turns
 from quickreturn.reference_model.mechanism import Base, PrescribedSpeed
 from tests.engines.scenes import run_24

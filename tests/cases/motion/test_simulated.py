@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.time_scale import time_scale
 from tests.cases.motion.vibration_truth import LAUNCHES, SteadyVibration, steady_vibration
 from tests.verification.random_scenes import random_scenes

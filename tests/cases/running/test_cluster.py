@@ -23,8 +23,8 @@ import pytest
 import quickreturn as qr
 from quickreturn.cases.running import cluster as module
 from quickreturn.cases.running.cluster import Cluster, cluster
+from quickreturn.cases.running.isolation import LocalProcesses
 from quickreturn.cases.running.job import ExecutorError, Job, Limits
-from quickreturn.cases.running.processes import LocalProcesses
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.reference_model.errors import EngineTrouble, ToldError

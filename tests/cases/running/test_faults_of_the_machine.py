@@ -6,12 +6,11 @@ from typing import Any
 
 import pytest
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.request import RunRequest
 from quickreturn.cases.motion.solving import TrajectoryRequest
 from quickreturn.cases.motion.steady_state import steady_state
-from quickreturn.cases.running.in_process import ThisProcess
-from quickreturn.cases.running.job import Job
+from quickreturn.cases.running.job import Job, ThisProcess
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
 from tests.engines.fake_package import FAKE_ENGINE, install

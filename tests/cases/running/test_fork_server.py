@@ -16,9 +16,8 @@ from typing import Any
 import pytest
 
 from quickreturn.cases.running import fork_server
-from quickreturn.cases.running.isolation import end_waiting
+from quickreturn.cases.running.isolation import LocalProcesses, end_waiting
 from quickreturn.cases.running.job import Job, Limits, Outcome
-from quickreturn.cases.running.processes import LocalProcesses
 from tests.cases.running.jobs import done, gone
 
 pytestmark = pytest.mark.skipif(not fork_server.FORKS, reason="there is no fork server")
@@ -44,9 +43,9 @@ def test_folders_where_the_user_stands_are_not_taken_for_packages(tmp_path: Path
             f"""
             import pkgutil
             from quickreturn.cases.running.job import Job
-            from quickreturn.cases.running.processes import LocalProcesses
+            from quickreturn.cases.running.isolation import LocalProcesses
             if __name__ == "__main__":
-                job = Job("job", pkgutil.resolve_name, ("quickreturn.cases.library.thesis.runs:run_name",))
+                job = Job("job", pkgutil.resolve_name, ("quickreturn.cases.library.thesis:run_name",))
                 (outcome,) = LocalProcesses(preload={PRELOAD!r}).run([job])
                 print(outcome.failure or outcome.value(24))
             """
@@ -118,7 +117,7 @@ def started_runner(tmp_path: Path) -> tuple["subprocess.Popen[str]", int]:
         textwrap.dedent(
             f"""
             from quickreturn.cases.running.job import Job
-            from quickreturn.cases.running.processes import LocalProcesses
+            from quickreturn.cases.running.isolation import LocalProcesses
             import sys
             if __name__ == "__main__":
                 try:

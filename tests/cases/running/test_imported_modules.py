@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from quickreturn.cases.running.imported_modules import imported_modules, modules_in, names_imported, source_of
+from quickreturn.cases.running.key import imported_modules, modules_in, names_imported, source_of
 from tests.package_copy import ROOT
 
 SOURCE = '''"""A docstring.

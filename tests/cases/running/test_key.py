@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.solving import frequencies_job
-from quickreturn.cases.running import imported_modules, key
+from quickreturn.cases.running import key
 from quickreturn.cases.running.job import Job, Limits
 from quickreturn.cases.running.key import ONLY_TALK, code_fingerprint, code_of, hash_of, key_of, sources_of
 from quickreturn.engines.plugins import plugins
@@ -85,8 +85,8 @@ def test_own_code_of_a_third_party_engine_counts() -> None:
 def function_in(module: str) -> Any:
     """A function of a module, read anew."""
     key._hash_of_module.cache_clear()
-    imported_modules._imports.cache_clear()
-    imported_modules.text_of.cache_clear()
+    key._imports.cache_clear()
+    key.text_of.cache_clear()
     return SimpleNamespace(__module__=module)
 
 
@@ -103,7 +103,7 @@ def test_what_a_function_imports_counts_and_nothing_else(package: Path) -> None:
 
 #: Function of a stored job -> some of the modules that it uses, and some that it does not.
 USES = """
-plugins.studies.sweep.grid.measured_row: cases.files.document cases.files.copies cases.files.units cases.files.reading
+plugins.studies.sweep.grid.measured_row: cases.files.document cases.files.document cases.files.units cases.files.reading
     cases.motion.catalogue cases.motion.steady_state plugins.strength.measures plugins.strength.stress,
     not plugins.studies.sweep.study cases.comparison.engines
 plugins.conform.contract.conform: plugins.conform.quantities plugins.conform.rods, not cases.comparison.engines
@@ -111,7 +111,7 @@ cases.motion.steady_state.steady_state: cases.motion.drifting_fit cases.motion.m
     not cases.comparison.engines plugins.strength.words cases.comparison.causes plugins.studies.sweep.rows
 cases.motion.orbit.find_orbit: cases.motion.orbit, not cases.comparison.engines
 cases.motion.solving.answer_to: cases.motion.solving, not cases.files.document cases.motion.steady_state plugins.strength.measures
-plugins.studies.resonance_curve.search.resonance_curve: cases.files.copies cases.files.reading plugins.strength.peak,
+plugins.studies.resonance_curve.search.resonance_curve: cases.files.document cases.files.reading cases.motion.extremes,
     not cases.comparison.engines
 plugins.methods.race.raced: plugins.methods.search plugins.methods.asked plugins.methods.truth, not plugins.methods.studies
 plugins.methods.truth.truth_of: plugins.methods.truth plugins.methods.row, not plugins.methods.search cases.comparison.engines
@@ -129,7 +129,7 @@ def test_the_key_of_a_stored_job_has_what_it_uses_and_not_what_only_talks(line: 
     assert {f"quickreturn.{each}" for each in used} <= sources.keys()
     assert {"quickreturn.reference_model.model", "quickreturn.engines.own.reference", "quickreturn.cases.running.records"} <= sources.keys()
     assert not {f"quickreturn.{each}" for each in others} & sources.keys()
-    assert not {"quickreturn.cases.running.display", "quickreturn.engines.progress", "quickreturn.cases.files.printable"} & sources.keys()
+    assert not {"quickreturn.cases.running.display", "quickreturn.engines.progress", "quickreturn.cases.files.shown"} & sources.keys()
 
 
 RUNNING = """

@@ -15,9 +15,8 @@ from typing import Any
 import pytest
 
 from quickreturn.cases.running import fork_server
-from quickreturn.cases.running.isolation import end_waiting, isolated
+from quickreturn.cases.running.isolation import LocalProcesses, computed, end_waiting, isolated
 from quickreturn.cases.running.job import Job, Limits, Outcome
-from quickreturn.cases.running.processes import LocalProcesses, computed
 from tests.cases.running.jobs import GIB, done, gone
 
 

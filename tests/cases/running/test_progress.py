@@ -14,14 +14,14 @@ from typing import Any
 import pytest
 
 from quickreturn.cases.running.display import Tally, answers, span
+from quickreturn.cases.running.isolation import LocalProcesses
 from quickreturn.cases.running.job import Job, Outcome
-from quickreturn.cases.running.processes import LocalProcesses
 from quickreturn.engines.progress import Progress
 
 CODE = """
 from quickreturn.cases.running.display import answers
 from quickreturn.cases.running.job import Job
-from quickreturn.cases.running.processes import LocalProcesses
+from quickreturn.cases.running.isolation import LocalProcesses
 told = "from quickreturn.engines.progress import tell; tell(engine='fake', phase='marching'); tell(cycle=7, most=60)"
 work = told + "; import time; time.sleep(0.6)"
 jobs = [Job(name, exec, (work,)) for name in ("one", "two")]

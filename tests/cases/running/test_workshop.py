@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from quickreturn.cases.running.isolation import LocalProcesses
 from quickreturn.cases.running.job import Job, Limits, Outcome, V, Watch
-from quickreturn.cases.running.processes import LocalProcesses
 from quickreturn.cases.running.store import Record, Store
 from quickreturn.cases.running.workshop import Workshop
 

@@ -8,9 +8,8 @@ from quickreturn.engines.exudyn.engine import ExudynEngine
 from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
-from quickreturn.engines.relative import relative_error
 from quickreturn.engines.start import Start, standard_start
-from quickreturn.engines.trajectory import Trajectory
+from quickreturn.engines.trajectory import Trajectory, relative_error
 from quickreturn.reference_model.follower import Follower
 from quickreturn.reference_model.mechanism import Base, Crank, Mechanism, PrescribedSpeed
 from quickreturn.reference_model.tip import Tip

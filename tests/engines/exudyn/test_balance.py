@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.balances import Balances
 from quickreturn.engines.exudyn import settings as ladder
 from quickreturn.engines.exudyn.engine import ExudynEngine

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from quickreturn.engines.exudyn.damping import LONGEST, LONGEST_TURN, longest_stretch
+from quickreturn.engines.exudyn.construction import LONGEST, LONGEST_TURN, longest_stretch
 from quickreturn.engines.registry import engine
-from quickreturn.engines.relative import relative_error
 from quickreturn.engines.start import standard_start
+from quickreturn.engines.trajectory import relative_error
 from quickreturn.engines.units import Units
 from quickreturn.reference_model.mechanism import PrescribedSpeed, TorqueDrive
 from tests.engines.exudyn.runs import arm, errors_of, simulate

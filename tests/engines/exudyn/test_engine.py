@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.engines.base import EngineFailure, Refusal
 from quickreturn.engines.exudyn.engine import ExudynEngine
 from quickreturn.engines.exudyn.settings import ExudynSettings

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from quickreturn.engines.base import EngineFailure
-from quickreturn.engines.relative import relative_error
-from quickreturn.engines.trajectory import join
+from quickreturn.engines.trajectory import join, relative_error
 from tests.engines.exudyn.runs import simulate
 from tests.engines.exudyn.test_engine import ENGINE, INCH, standard_start
 from tests.engines.scenes import run_24

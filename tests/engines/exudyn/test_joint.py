@@ -6,14 +6,14 @@ import math
 import numpy as np
 import pytest
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.engines import accurate
 from quickreturn.engines.base import Refusal
 from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.exudyn.engine import ExudynEngine
 from quickreturn.engines.exudyn.settings import ExudynSettings
-from quickreturn.engines.relative import relative_error
 from quickreturn.engines.start import standard_start
+from quickreturn.engines.trajectory import relative_error
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from tests.engines.energy import imbalance
 from tests.engines.exudyn.runs import bent_start, simulate

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.engines import accurate
 from quickreturn.engines.base import Comparison
 from quickreturn.engines.error_parts import TIP, Compared, parts_of
@@ -15,8 +15,8 @@ from quickreturn.engines.exudyn.engine import ExudynEngine
 from quickreturn.engines.exudyn.settings import SMALLEST_STEP, ExudynSettings
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
-from quickreturn.engines.relative import relative_error
 from quickreturn.engines.start import standard_start
+from quickreturn.engines.trajectory import relative_error
 from tests.engines.exudyn.runs import simulate
 from tests.engines.scenes import run_24
 

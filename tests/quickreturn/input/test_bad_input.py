@@ -15,8 +15,8 @@ import click
 import pytest
 
 from quickreturn.cases.files.case import parse_case
-from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.files.errors import CaseError
+from quickreturn.cases.library import load_case
 from quickreturn.command_line import commands, quickreturn
 from tests.quickreturn.conftest import Answer, Call
 from tests.quickreturn.input import mistakes

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
+from quickreturn.cases.running.isolation import LocalProcesses
 from quickreturn.cases.running.job import Limits
-from quickreturn.cases.running.processes import LocalProcesses
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.plugins.methods.race import Contest, race

@@ -8,7 +8,7 @@ import pytest
 
 import quickreturn as qr
 from quickreturn.cases.motion.solving import TrajectoryRequest
-from quickreturn.cases.running.in_process import ThisProcess
+from quickreturn.cases.running.job import ThisProcess
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import outcomes_of
 from tests.engines.fake_engine import FakeEngine

@@ -9,16 +9,15 @@ from pathlib import Path
 import pytest
 
 from quickreturn import record as recording
-from quickreturn.cases.files.case_file import load_case
+from quickreturn.cases.library import load_case
 from quickreturn.cases.running.job import Outcome
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import engine
-from quickreturn.engines.relative import relative_error
 from quickreturn.engines.settings import as_texts
 from quickreturn.engines.start import standard_start
-from quickreturn.engines.trajectory import Trajectory
+from quickreturn.engines.trajectory import Trajectory, relative_error
 from quickreturn.plugins.conform.contract import Check, Conformance, job
 from quickreturn.plugins.conform.records import ConformanceRow, verdicts
 from quickreturn.plugins.methods import studies as of_methods

@@ -12,16 +12,16 @@ from typing import Any, Final
 
 import pytest
 
-from quickreturn.cases.files.case_file import load_case
-from quickreturn.cases.library.thesis.runs import RUNS, run_case
+from quickreturn.cases.library import load_case
+from quickreturn.cases.library.thesis import RUNS, run_case
 from quickreturn.cases.motion.orbit import orbits
-from quickreturn.cases.running.processes import LocalProcesses
+from quickreturn.cases.running.isolation import LocalProcesses
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.one_run import CompletedRun
 from quickreturn.engines.registry import engine
 from quickreturn.engines.settings import as_texts
-from quickreturn.plugins.as_built.constructions import built, constructions
+from quickreturn.plugins.as_built.chapter import built, constructions
 from quickreturn.plugins.conform.contract import conform
 from quickreturn.plugins.conform.records import ConformanceRow
 from quickreturn.plugins.methods import studies as of_methods

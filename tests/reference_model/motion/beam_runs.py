@@ -8,12 +8,12 @@ from numpy.typing import NDArray
 from quickreturn.plugins.methods.moving_boundaries.model import MovingBoundariesModel
 from quickreturn.reference_model.beam.modes import ModeFamily, mode_family
 from quickreturn.reference_model.beam.tables import slider_range, span_tables
-from quickreturn.reference_model.integration import REACHED_END
+from quickreturn.reference_model.integrate import REACHED_END
+from quickreturn.reference_model.joint import CLOSED, SliderConstraint
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.motion.parameters import parameters
 from quickreturn.reference_model.shapes import clamped_free_modes
-from quickreturn.reference_model.slider_constraint import CLOSED, SliderConstraint
 from quickreturn.reference_model.thesis.model import ThesisModel
 
 Array = NDArray[np.float64]

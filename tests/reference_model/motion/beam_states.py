@@ -8,12 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.entries import KERNEL
-from quickreturn.reference_model.joint import Rollers
+from quickreturn.reference_model.joint import CHORDS, LEVER, MULTIPLIER, ROLLERS, Rollers, SliderConstraint
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.shapes import ShapeSet, clamped_free_modes, hermite_elements
 from quickreturn.reference_model.slider import Slider
-from quickreturn.reference_model.slider_constraint import CHORDS, LEVER, MULTIPLIER, ROLLERS, SliderConstraint
 from quickreturn.reference_model.spring import Spring
 from tests.engines.scenes import FOLLOWER_ALONE, INCH, run_24
 

@@ -13,7 +13,7 @@ from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.rigid import rigid_kinetostatics, rigid_motion
 from quickreturn.reference_model.slider import Slider
 from quickreturn.reference_model.thesis.model import ThesisModel
-from quickreturn.reference_model.tip_force import tip_force
+from quickreturn.reference_model.tip import tip_force
 from tests.engines.scenes import run_24, with_parts
 from tests.reference_model.motion.beam_runs import Array, run
 from tests.reference_model.motion.beam_states import HELD_BY_SPRING

@@ -5,11 +5,10 @@ import pytest
 from numpy.typing import NDArray
 
 from quickreturn.reference_model.entries import KERNEL, LINEARISED, WEIGHED
-from quickreturn.reference_model.joint import Rollers
+from quickreturn.reference_model.joint import CLOSED, MULTIPLIER, ROLLERS, Rollers, SliderConstraint
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.native.memory import Placed
 from quickreturn.reference_model.shapes import clamped_free_modes
-from quickreturn.reference_model.slider_constraint import CLOSED, MULTIPLIER, ROLLERS, SliderConstraint
 from tests.engines.scenes import run_24
 
 Array = NDArray[np.float64]

@@ -13,8 +13,8 @@ import numba
 import numpy as np
 import pytest
 
-from quickreturn.reference_model.native import linking
 from quickreturn.reference_model.native.compilation import FASTMATH, jitted
+from quickreturn.reference_model.native.kept import _OURS
 from tests.package_copy import copied_package
 
 #: Prints what engines make of a vibrating start, to the last bit. The models' code is compiled in several ways.
@@ -22,10 +22,11 @@ CODE = """
 import hashlib
 import sys
 from quickreturn.engines.registry import engine
-from quickreturn.engines.scene import simulate_scene
+from quickreturn.engines.accurate import simulate
+from quickreturn.engines.start import standard_start
 from tests.engines.scenes import run_24
 for name in sys.argv[1:]:
-    columns = simulate_scene(engine(name), run_24(), 0.02, 1e-3, estimate=False).trajectory.columns
+    columns = simulate(engine(name), run_24(), standard_start(run_24()), 0.02, 1e-3, estimate=False).trajectory.columns
     print(name, hashlib.sha256(b"".join(columns[each].tobytes() for each in sorted(columns))).hexdigest())
 """
 ENGINES = ("reference", "thesis", "mujoco")
@@ -56,7 +57,7 @@ def both(x, y):
 def weak(library: object) -> list[str]:
     """Names of this package's functions that a library's object defines by weak symbols."""
     found = symbols(library._get_compiled_object())  # type: ignore[attr-defined]
-    return [name for name, symbol in found if symbol["kind"] >> 4 == 2 and symbol["section"] and linking._OURS in name]
+    return [name for name, symbol in found if symbol["kind"] >> 4 == 2 and symbol["section"] and _OURS in name]
 
 
 def symbols(content: bytes) -> Iterator[tuple[str, Any]]:
@@ -80,7 +81,7 @@ def test_a_compiled_function_calls_its_own_copies() -> None:
     assert outer(np.ones(7), np.ones(7)) == 14.0
     for compiled, own in ((inner, "total"), (outer, "both")):
         (found,) = (made.library for made in compiled.overloads.values())
-        defined = [each.name for each in found.get_defined_functions() if linking._OURS in each.name]
+        defined = [each.name for each in found.get_defined_functions() if _OURS in each.name]
         assert any(own in name for name in defined)
         assert weak(found) == []
     assert any("total" in name for name in defined), "the callee was inlined, so that nothing was tested"

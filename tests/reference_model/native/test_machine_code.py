@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-from quickreturn.cases.running.imported_modules import modules_in
+from quickreturn.cases.running.key import modules_in
 from tests.package_copy import ROOT, copied_package
 
 PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH = 24, 1, 2
@@ -99,7 +99,7 @@ def test_without_a_home_it_lives_as_long_as_the_process_and_that_is_said(install
 CHANGES = [
     ("engines/refusals.py", '"""', '"""Once more: ', True),
     ("engines/own/beam_engine.py", '"""', '"""Once more: ', True),
-    ("engines/exudyn/joint.py", '"""', '"""Once more: ', True),
+    ("engines/exudyn/slider.py", '"""', '"""Once more: ', True),
     ("reference_model/dop853_loop.py", "INTERPOLATED: Final = ", "INTERPOLATED: Final = 0 + ", False),
     ("reference_model/joint.py", "import math", "import math  # other", False),
     ("reference_model/small.py", "x + x", "2.0 * x", False),

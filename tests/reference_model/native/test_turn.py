@@ -9,15 +9,15 @@ from pathlib import Path
 
 import pytest
 
-from quickreturn.reference_model.native import turn
-from quickreturn.reference_model.native.turn import Turn, waits_for
+from quickreturn.reference_model.native import cache_folder
+from quickreturn.reference_model.native.cache_folder import Turn, waits_for
 from tests.package_copy import ROOT
 
 #: Takes the turn of a file, says so, and keeps it until its input ends, or until it is killed.
 HOLDER = """
 import sys
 from pathlib import Path
-from quickreturn.reference_model.native.turn import Turn
+from quickreturn.reference_model.native.cache_folder import Turn
 turn = Turn(Path(sys.argv[1]))
 turn.take()
 print("taken", flush=True)
@@ -28,15 +28,15 @@ turn.give_back()
 COMPILES = """
 import sys, time
 sys.path.insert(0, sys.argv[1])
-from quickreturn.reference_model.native import linking
+from quickreturn.reference_model.native.kept import OwnCompiler
 from quickreturn.reference_model.native.compilation import compiled
 made = []
-compile_extra = linking.OwnCompiler.compile_extra
+compile_extra = OwnCompiler.compile_extra
 def slow(self, func):
     made.append(func.__name__)
     time.sleep(1.0)
     return compile_extra(self, func)
-linking.OwnCompiler.compile_extra = slow
+OwnCompiler.compile_extra = slow
 from small import double
 assert compiled(double)(4.0) == 8.0
 print(len(made))
@@ -81,7 +81,7 @@ def test_a_process_waits_and_knows_for_whom_until_that_gives_back_or_ends(
 
 
 def test_nobody_waits_for_ever(holder: "subprocess.Popen[str]", tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(turn, "PATIENCE", 0.3)
+    monkeypatch.setattr(cache_folder, "PATIENCE", 0.3)
     thread, seen = waiting(tmp_path / "code.turn")
     thread.join(10.0)
     assert (seen, thread.is_alive()) == ([holder.pid], False)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from quickreturn.reference_model import integration
+from quickreturn.reference_model.integrate import STEP_TOO_SMALL
 from quickreturn.reference_model.thesis.model import integrate_lsoda
 
 
@@ -18,7 +18,7 @@ def test_what_was_done_until_a_pole_is_kept_and_counted() -> None:
         return True
 
     found = integrate_lsoda(equations, np.zeros(1), np.ones(1), 0.1, 30, np.array([1e-9]), 1.0, 1.0)
-    assert found.status == integration.STEP_TOO_SMALL
+    assert found.status == STEP_TOO_SMALL
     assert found.end_time == pytest.approx(0.9)
     np.testing.assert_allclose(found.states[:, 0], 1.0 / (1.0 - 0.1 * np.arange(10)), rtol=1e-7)
     assert found.calls == pytest.approx(evaluations - len(found.states), abs=20)  # each state is checked once more

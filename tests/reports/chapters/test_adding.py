@@ -13,8 +13,8 @@ MODULE = '''"""How fast the cranks turn."""
 
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
-from quickreturn.reports.tables.cells import CASE
-from quickreturn.reports.tables.table import Column, Table
+from quickreturn.reports.tables import CASE
+from quickreturn.reports.tables import Column, Table
 from quickreturn.reports.words import counted
 
 

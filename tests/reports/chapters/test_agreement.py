@@ -6,7 +6,7 @@ import pytest
 
 from quickreturn.cases.comparison.engines import agreement as verdicts
 from quickreturn.reports.chapters.agreement import classes, departures, run_map, summary
-from quickreturn.reports.results.engine_differences import differences, outward
+from quickreturn.reports.engine_differences import differences, outward
 from tests.reports.pages import chapter_of, finding_of, one_run, text_of
 from tests.reports.plotted_results import ENGINES, with_run
 from tests.reports.reported_results import agreeing, departing, reported_result

@@ -18,7 +18,7 @@ from quickreturn.engines.registry import MAIN
 from quickreturn.plugins.methods import drawing as of_methods
 from quickreturn.plugins.methods.rivals import RIVALS
 from quickreturn.plugins.methods.tests.made_up_races import made_up_race
-from quickreturn.plugins.thesis.experiment.published import printed_ranges
+from quickreturn.plugins.thesis.experiment import printed_ranges
 from quickreturn.reports.drawing import cycle
 from quickreturn.reports.line_styles import looks
 from tests.reports.plotted_results import made_up_result, with_table

@@ -13,8 +13,7 @@ from quickreturn.plugins.methods.tests.made_up_races import made_up_fronts, made
 from quickreturn.plugins.methods.tests.pages import of_studies
 from quickreturn.plugins.thesis.page_data import inference_of
 from quickreturn.plugins.thesis.tests.made_up_inference import made_up_inference
-from quickreturn.reports.machine import machine_facts
-from quickreturn.reports.report import write
+from quickreturn.reports.report import machine_facts, write
 from tests.reports.in_a_browser import RESULTS, Open, Tabs
 from tests.reports.pages import content_of
 from tests.slices import IN_A_BROWSER

@@ -7,7 +7,7 @@ import pytest
 from quickreturn.cases.comparison.engines import compare
 from quickreturn.cases.motion.cycle import HALVES
 from quickreturn.cases.motion.time_scale import CHANNELS
-from quickreturn.reports.page.answer import answer_of
+from quickreturn.reports.page.first_screen import answer_of
 from quickreturn.reports.words import size
 from tests.reports import pages
 from tests.reports.pages import content_of

@@ -11,8 +11,7 @@ from playwright.sync_api import Page
 
 from quickreturn.cases.comparison.engines import compare
 from quickreturn.reports.line_styles import looks
-from quickreturn.reports.machine import machine_facts
-from quickreturn.reports.report import write
+from quickreturn.reports.report import machine_facts, write
 from tests.reports.in_a_browser import Open
 from tests.reports.pages import content_of
 from tests.reports.plotted_results import made_up_result

@@ -5,9 +5,8 @@ from typing import Any
 import pytest
 from playwright.sync_api import Page
 
-from quickreturn.reports.machine import machine_facts
 from quickreturn.reports.page.content import Content
-from quickreturn.reports.report import write
+from quickreturn.reports.report import machine_facts, write
 from tests.reports.in_a_browser import Open
 from tests.reports.page.test_charts_in_a_browser import TEXTS, assert_fitting
 from tests.reports.reported_results import reported_result

@@ -11,10 +11,9 @@ from quickreturn.cases.motion.number import Number
 from quickreturn.plugins.thesis.inference.tables import headline
 from quickreturn.plugins.thesis.page_data import inference_of
 from quickreturn.plugins.thesis.tests.made_up_inference import made_up_inference
-from quickreturn.reports.page.answer import Answer, Cubic
+from quickreturn.reports.engine_differences import Spread, spread
 from quickreturn.reports.page.content import Subject
-from quickreturn.reports.page.first_screen import Figure, sentences
-from quickreturn.reports.results.engine_differences import Spread, spread
+from quickreturn.reports.page.first_screen import Answer, Cubic, Figure, sentences
 from tests.reports.pages import one_run, plain, text_of
 
 

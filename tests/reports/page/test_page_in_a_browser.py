@@ -11,9 +11,8 @@ from playwright.sync_api import Page
 
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.columns import SHAPE
-from quickreturn.reports.machine import machine_facts
 from quickreturn.reports.page.render import animation_page
-from quickreturn.reports.report import write
+from quickreturn.reports.report import machine_facts, write
 from tests.reports.in_a_browser import RESULTS, Open
 from tests.reports.pages import content_of
 from tests.reports.plotted_results import made_up_result

@@ -7,8 +7,8 @@ from quickreturn.engines.registry import MAIN
 from quickreturn.plugins.methods.tests.made_up_races import made_up_fronts
 from quickreturn.plugins.methods.tests.pages import of_studies
 from quickreturn.reports.line_styles import looks
+from quickreturn.reports.page.chapter import Plot
 from quickreturn.reports.page.chapters import chapters_of
-from quickreturn.reports.page.plot import Plot
 from quickreturn.reports.page.render import report_page
 from quickreturn.reports.page.view import shown_first
 from quickreturn.reports.words import QUANTITY

@@ -7,9 +7,8 @@ from playwright.sync_api import Locator, Page
 
 from quickreturn.plugins.studies.around import Around, around_of
 from quickreturn.plugins.studies.tests.made_up_resonance import RPM, height, made_up_around, speed
-from quickreturn.reports.machine import machine_facts
 from quickreturn.reports.page.content import Content
-from quickreturn.reports.report import write
+from quickreturn.reports.report import machine_facts, write
 from tests.reports.in_a_browser import Open
 from tests.reports.page.test_charts_in_a_browser import TEXTS, assert_fitting
 from tests.reports.reported_results import reported_result

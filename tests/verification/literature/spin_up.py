@@ -17,12 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from quickreturn.cases.files.case_file import load_case
-from quickreturn.engines.accurate import Result
+from quickreturn.cases.library import load_case
+from quickreturn.engines.accurate import Result, simulate
 from quickreturn.engines.registry import engine
-from quickreturn.engines.scene import simulate_scene
-from quickreturn.reference_model.mechanism import FollowerAlone, SpinUp
-from quickreturn.reference_model.spin_up import base_motion
+from quickreturn.engines.start import standard_start
+from quickreturn.reference_model.mechanism import FollowerAlone, SpinUp, base_motion
 from tests.verification.literature.rotating_cantilever import cubic_frequency, frequencies, quasi_static_deflection, time_unit
 from tests.verification.row import Row
 
@@ -60,7 +59,7 @@ def scene() -> FollowerAlone:
 def manoeuvre(name: str) -> Iterator[Row]:
     """The engine's largest lag, axial stretch and remaining vibration in the manoeuvre itself, at its default accuracy."""
     case, alone = load_case(CASE), scene()
-    result = simulate_scene(engine(name), alone, case.duration, case.output_step)
+    result = simulate(engine(name), alone, standard_start(alone), case.duration, case.output_step)
     trajectory, accuracy, unit = result.trajectory, _estimate(result), time_unit(alone.follower)
     time, deflection = trajectory["time"], trajectory["tip_deflection"]
     steady = time >= alone.spin_up.time
@@ -127,7 +126,7 @@ def at_rate(name: str, rate: float) -> Row:
     alone = scene()
     unit = time_unit(alone.follower)
     spun = dataclasses.replace(alone, spin_up=SpinUp(speed=rate / unit, time=SPUN_UP))
-    result = simulate_scene(engine(name), spun, WATCHED, load_case(CASE).output_step)
+    result = simulate(engine(name), spun, standard_start(spun), WATCHED, load_case(CASE).output_step)
     steady = result.trajectory["time"] >= SPUN_UP
     in_plane = math.sqrt(out_of_plane**2 - rate**2)
     expected = in_plane / unit / (2.0 * math.pi)

@@ -21,11 +21,11 @@ from quickreturn.plugins.derive.system import column
 from quickreturn.plugins.derive.witness.description import UNITS, Follower, constants, follower, quick_return
 from quickreturn.plugins.derive.witness.recovery import columns
 from quickreturn.reference_model.columns import COLUMNS
+from quickreturn.reference_model.joint import CHORDS, CLOSED, LEVER, ROLLERS, SliderConstraint
 from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.motion.layout import BeamTables, state_size
 from quickreturn.reference_model.shapes import ShapeSet
-from quickreturn.reference_model.slider_constraint import CHORDS, CLOSED, LEVER, ROLLERS, SliderConstraint
 from quickreturn.reference_model.spring import spring_stiffness
 from tests.engines.scenes import run_24
 from tests.reference_model.motion.roller_law import force_of_rollers, sliding_share

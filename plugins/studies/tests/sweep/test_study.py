@@ -10,9 +10,8 @@ from quickreturn.cases.files.case import case_of, document_of
 from quickreturn.cases.files.keys import Written
 from quickreturn.cases.library import library_case
 from quickreturn.cases.motion.endings import Ending
-from quickreturn.cases.running.in_process import Nobody, ThisProcess
 from quickreturn.cases.running.isolation import STOPPED
-from quickreturn.cases.running.job import Limits, Outcome
+from quickreturn.cases.running.job import Limits, Nobody, Outcome, ThisProcess
 from quickreturn.cases.running.key import key_of
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop

@@ -10,16 +10,16 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from quickreturn.cases.files.case import Case
-from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.files.errors import CaseError
 from quickreturn.cases.files.keys import text_of
 from quickreturn.cases.files.recorded import RecordedTable, table_of
+from quickreturn.cases.library import load_case
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceSettings
 from quickreturn.engines.registry import engine
-from quickreturn.engines.relative import rms
 from quickreturn.engines.start import standard_start
-from quickreturn.plugins.studies.uncertainty.calibration import DEFAULT_ERROR, TABLE_ERROR, Free, calibrate
+from quickreturn.engines.trajectory import rms
+from quickreturn.plugins.studies.uncertainty.calibration import DEFAULT_ERROR, TABLE_ERROR, Free, calibrated
 from quickreturn.plugins.studies.uncertainty.covariance import covariance, reach, smooth_part, undetermined
 from quickreturn.plugins.studies.uncertainty.fit import FittedParameter
 from quickreturn.plugins.studies.uncertainty.parameters import Parameter, changes
@@ -71,7 +71,7 @@ def test_the_model_of_a_table_begins_where_the_table_does(first: float) -> None:
 
 @pytest.mark.verify
 def test_the_truth_lies_in_the_region_for_a_table_of_another_engine() -> None:
-    fit = calibrate(BEGUN, noisy(computed("mujoco"), np.random.default_rng(1)), FREE)
+    fit = calibrated(BEGUN, noisy(computed("mujoco"), np.random.default_rng(1)), FREE)
     assert fit.begins
     assert fit.holds((STIFFNESS, DAMPING))
     stiffness, damping = fit.found
@@ -87,7 +87,7 @@ def test_the_truth_lies_in_the_region_for_a_table_of_another_engine() -> None:
 @pytest.mark.parametrize("memory", [0.0, 0.8])
 def test_the_truth_lies_in_the_region_in_95_of_100_trials(name: str, memory: float) -> None:
     columns, trials = computed(name), 40
-    fits = [calibrate(BEGUN, noisy(columns, np.random.default_rng(trial), memory), FREE) for trial in range(trials)]
+    fits = [calibrated(BEGUN, noisy(columns, np.random.default_rng(trial), memory), FREE) for trial in range(trials)]
     held = sum(fit.holds((STIFFNESS, DAMPING)) for fit in fits)
     print(f"{name}, memory {memory}: {held} of {trials}; widened {np.median([fit.widened for fit in fits]):.2f}")
     # 95 % of 40 are 38; of a region that is right 34 or fewer are met in one of 70 such tests
@@ -141,7 +141,7 @@ def test_independent_residuals_are_not_smooth_and_a_slow_course_is() -> None:
 def test_what_a_table_cannot_tell_is_named() -> None:
     """The thickness turns curvature into strain and does nothing else, where the bending stiffness is given: deflections do not tell it."""
     table = table_of({name: computed("reference")[name] for name in ("time", "crank_angle", "tip_deflection")}, "table", CASE.name)
-    fit = calibrate(CASE, table, ("follower.thickness", "follower.bending_stiffness"))
+    fit = calibrated(CASE, table, ("follower.thickness", "follower.bending_stiffness"))
     (direction,) = fit.cannot_tell
     assert direction.startswith("follower.thickness")
     assert "bending_stiffness" not in direction
@@ -172,7 +172,7 @@ def test_the_steady_state_is_fitted_at_equal_crank_angles() -> None:
     assert state is not None
     cycle = whole_cycles(state.simulation.advance(1e-3 * (int(state.period / 1e-3) + 4), 1e-3))[0]
     table = table_of({"time": cycle.time, "crank_angle": cycle.crank_angle, "strain_2": cycle.channels["strain_2"]}, "table", CASE.name)
-    fit = calibrate(CASE, table, FREE[:1])
+    fit = calibrated(CASE, table, FREE[:1])
     assert not fit.begins
     # the orbits are searched to 1e-3 of the motion, and stiffness changes it several times as much as itself
     assert abs(fit.found[0].value / (1.03 * STIFFNESS) - 1.0) < 1e-3
@@ -191,7 +191,7 @@ def test_the_steady_state_is_fitted_at_equal_crank_angles() -> None:
 )
 def test_bad_keys_get_one_sentence(free: str, told: str) -> None:
     with pytest.raises(CaseError, match=r".") as wrong:
-        calibrate(CASE, noisy(computed("reference"), np.random.default_rng(1)), [free])
+        calibrated(CASE, noisy(computed("reference"), np.random.default_rng(1)), [free])
     assert told in str(wrong.value)
 
 
@@ -222,7 +222,7 @@ def test_value_and_interval_are_those_of_a_fit_that_shares_nothing_but_the_engin
         len(columns["time"])
     )
     table = table_of({"time": columns["time"], "crank_angle": columns["crank_angle"], "tip_deflection": values}, "table", CASE.name)
-    (found,) = calibrate(BEGUN.with_({FREE[1]: "2e-5 lbf*s/in^2"}, name="thesis-24"), table, FREE[:1]).found
+    (found,) = calibrated(BEGUN.with_({FREE[1]: "2e-5 lbf*s/in^2"}, name="thesis-24"), table, FREE[:1]).found
 
     def residuals(times: Array) -> Array:
         scene = changed(CASE.mechanism, {FREE[0]: float(times[0]) * STIFFNESS})
@@ -283,7 +283,7 @@ def test_intervals_contain_the_truth_for_tables_of_any_origin() -> None:
     """Tables of three engines at default settings, with and without noise, some with few digits: the model of the fit errs as they do."""
     away, widths = [], []
     for one in map(trial, range(36)):
-        fit = calibrate(one.case, one.table, tuple(one.true))
+        fit = calibrated(one.case, one.table, tuple(one.true))
         for found in fit.found:
             if found.determined:
                 half = 0.5 * (found.high - found.low)
@@ -308,4 +308,4 @@ def test_what_a_model_lacks_is_told() -> None:
     gauge = computed("reference") | {"strain_2": 0.97 * computed("reference")["strain_2"]}
     for columns in (run.columns, gauge):
         table = table_of({name: columns[name] for name in ("time", "crank_angle", *COLUMNS)}, "table", CASE.name)
-        assert "the model or the table lacks something" in repr(calibrate(CASE, table, FREE[:1]))
+        assert "the model or the table lacks something" in repr(calibrated(CASE, table, FREE[:1]))

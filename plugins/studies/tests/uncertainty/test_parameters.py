@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.files.errors import CaseError
+from quickreturn.cases.library import load_case
 from quickreturn.plugins.studies.uncertainty.parameters import Parameter, changes, distribution
 
 CASE = load_case("thesis-24")

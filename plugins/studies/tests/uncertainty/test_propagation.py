@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.files.errors import CaseError
+from quickreturn.cases.library import load_case
 from quickreturn.plugins.studies.sweep.rows import MeasureRequest
 from quickreturn.plugins.studies.uncertainty.chaos import powers_up_to
-from quickreturn.plugins.studies.uncertainty.propagation import Points, planned
 from quickreturn.plugins.studies.uncertainty.scatter import Scatter, quantiles
+from quickreturn.plugins.studies.uncertainty.study import Points, planned
 
 ASKED = MeasureRequest(measures=("peak.strain_2",), claims=False)
 UNCERTAIN = {"slider.mass": "uniform 1 kg .. 3 kg", "tip.center_of_mass": "uniform 0 in .. 0.5 in"}

@@ -9,8 +9,8 @@ import pytest
 
 import quickreturn as qr
 from quickreturn.cases.comparison.causes import QUANTITIES, Explained
-from quickreturn.cases.files.case_file import load_case
 from quickreturn.cases.files.recorded import RecordedTable, table_of
+from quickreturn.cases.library import load_case
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import engine
 from quickreturn.engines.start import standard_start

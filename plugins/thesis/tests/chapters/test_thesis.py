@@ -3,9 +3,9 @@
 import pytest
 
 from quickreturn.plugins.thesis.chapters.thesis import finding
-from quickreturn.plugins.thesis.experiment.published import below_aluminium
+from quickreturn.plugins.thesis.experiment import below_aluminium
 from quickreturn.plugins.thesis.inference import tables
-from quickreturn.plugins.thesis.inference.confirmation import RUNS, Confirmation
+from quickreturn.plugins.thesis.inference.study import CONFIRMED_IN, Confirmation
 from quickreturn.plugins.thesis.inference.unknowns import PRINTED
 from quickreturn.plugins.thesis.inference.weights import PRIORS, SETS
 from quickreturn.plugins.thesis.inference.words import VOTES
@@ -47,7 +47,10 @@ def test_tables_have_a_line_for_each_prior_set_statement_and_number() -> None:
     bits = list(tables.deciding(inference).frame["bits"])
     assert bits == sorted(bits, reverse=True)
     machines = [tuple(PRINTED.values()), tuple({**PRINTED, "plus": 12.0}.values())]
-    rows = [Confirmation(machine=machine, run=RUNS[0], pre=(17.0, None), post=(17.1, 17.2), compared=9, missed=1) for machine in machines]
+    rows = [
+        Confirmation(machine=machine, run=CONFIRMED_IN[0], pre=(17.0, None), post=(17.1, 17.2), compared=9, missed=1)
+        for machine in machines
+    ]
     assert list(tables.confirmed(rows).frame["machine"]) == ["as printed", "plus 12"]
 
 

@@ -9,10 +9,10 @@ import pytest
 from exudyn.itemInterface import MarkerBodyRigid, MarkerNodeRigid, ObjectBeamGeometricallyExact, ObjectGround
 from exudyn.utilities import Force, GenericJoint, NodeRigidBodyEP, Torque
 
-from quickreturn.cases.library.thesis.runs import run_case
-from quickreturn.plugins.thesis.inference.joint import RETURN, at_return, greatest_first_frequency, moved_by_mass, with_mass
-from quickreturn.plugins.thesis.inference.spatial import POISSON, torsional_stiffness, twist
+from quickreturn.cases.library.thesis import run_case
+from quickreturn.plugins.thesis.chapters.thesis import POISSON, torsional_stiffness, twist
 from quickreturn.plugins.thesis.inference.unknowns import NAMES, PRINTED
+from quickreturn.plugins.thesis.inference.weights import RETURN, at_return, greatest_first_frequency, moved_by_mass, with_mass
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from quickreturn.reference_model.scene_values import changed
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from quickreturn.cases.library.thesis.runs import run_case
+from quickreturn.cases.library.thesis import run_case
 from quickreturn.cases.motion.orbit import find_orbit
 from quickreturn.cases.motion.settling import Cycle
 from quickreturn.cases.motion.time_scale import CHANNELS

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from quickreturn.plugins.thesis import records
-from quickreturn.plugins.thesis.inference.confirmation import RUNS as CONFIRMED
 from quickreturn.plugins.thesis.inference.emulator import Emulated
+from quickreturn.plugins.thesis.inference.study import CONFIRMED_IN as CONFIRMED
 from quickreturn.plugins.thesis.inference.study import RUNS
 from quickreturn.plugins.thesis.inference.unknowns import NAMES, spread
 from quickreturn.plugins.thesis.inference.weights import (

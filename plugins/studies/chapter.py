@@ -4,12 +4,11 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
-from quickreturn.plugins.studies.around import Around, around_of
-from quickreturn.reports.page.chapter import Chapter
+from quickreturn.plugins.studies.around import Around, around_of, nearness, work
+from quickreturn.reports.page.chapter import Chapter, Plot, Series
 from quickreturn.reports.page.content import Content
-from quickreturn.reports.page.plot import Plot, Series
-from quickreturn.reports.tables.cells import CASE
-from quickreturn.reports.tables.table import Column, ColumnList, Table
+from quickreturn.reports.page.part import Part
+from quickreturn.reports.tables import CASE, Column, ColumnList, Table
 from quickreturn.reports.words import number, size
 
 _SPEED: Final = Column("speed", "crank speed", "rad/s", ".5g")
@@ -151,3 +150,6 @@ def resonance_curve(cases: Sequence[Around]) -> Table:
                 special=special.get(at, ""),
             )
     return table
+
+
+PAGE = Part(chapters={resonance: 13}, templates=("quickreturn.plugins.studies",), work=work, nearness=nearness)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from quickreturn.reports.results.engine_differences import KINK, MARGINAL, cause, differences, spread
+from quickreturn.reports.engine_differences import KINK, MARGINAL, cause, differences, spread
 from tests.reports.plotted_results import with_run
 from tests.reports.reported_results import ALIKE, departing, reported_result, with_frequencies
 

@@ -10,16 +10,14 @@ from quickreturn.arguments import AnyCase, one_case
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.errors import CaseError, as_written, texts_given
 from quickreturn.cases.files.keys import PATHS, si_value
-from quickreturn.cases.files.printable import Cell, Printable, Rows
-from quickreturn.cases.files.shown import Unit
+from quickreturn.cases.files.shown import Cell, Printable, Rows, Unit
 from quickreturn.cases.running.display import compilation_announced
 from quickreturn.computing import checked
 from quickreturn.dataset import dataset_file, table_file
 from quickreturn.plugins.studies.around import Around
-from quickreturn.plugins.studies.public.sweeping import ERROR
-from quickreturn.plugins.studies.resonance_curve.curve import ResonanceCurve
-from quickreturn.plugins.studies.resonance_curve.range import SPEED, range_of
+from quickreturn.plugins.studies.resonance_curve.curve import SPEED, ResonanceCurve, range_of
 from quickreturn.plugins.studies.resonance_curve.search import OF_CURVE, USUAL, resonance_curve
+from quickreturn.plugins.studies.sweep.sweeping import ERROR
 from quickreturn.reports.output import require
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from quickreturn.reports.tables.table import Cell, Column, Table
+from quickreturn.reports.tables import Cell, Column, Table
 from quickreturn.reports.words import angle_text, cost, counted, listed, number, percent, settings_words, size
 
 

@@ -1,1 +1,0 @@
-"""Chapters on studies, a module and a template for each."""

@@ -1,1 +1,0 @@
-"""Public functions that study a machine, and their results."""
