@@ -9,7 +9,6 @@ import os
 import platform
 import time
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
@@ -20,7 +19,7 @@ from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.base import AnyEngine, EngineFailure, Refusal
 from quickreturn.engines.registry import engine
 from quickreturn.engines.settings import SettingError, Settings, as_texts
-from quickreturn.plugins.methods.asked import asked, first_part
+from quickreturn.plugins.methods.asked import asked, takes_longer
 from quickreturn.plugins.methods.fronts import CRITERIA, front, paced
 from quickreturn.plugins.methods.row import LEVELS, REFUSED, Row, errors_of, variant_of
 from quickreturn.plugins.methods.search import RUNS, combinations, search
@@ -134,8 +133,6 @@ def raced(case: Case, contest: Contest, truth: Truth) -> list[Row]:
     rows = list[Row]()
     if contest.runs:
         _pin()
-        with suppress(EngineFailure, Refusal, SettingError):  # it loads what is compiled; errors show in the rows
-            first_part(chosen, case, chosen.settings_for(contest.levels[0], case.mechanism))
         rows += [replace(tried(chosen, case, settings_for(line, case.mechanism), truth), signed=line.signed_by) for line in contest.lines]
         for combination in combinations(chosen)[: 1 if contest.usual else None]:
             seeds = combination.seeds(contest.levels, case.mechanism)
@@ -148,7 +145,7 @@ def tried(chosen: AnyEngine, case: Case, settings: Settings, truth: Truth) -> Ro
     """The row of an engine with some settings; a failure is its status."""
     row = Row(scene=case.name, engine=chosen.name, variant=variant_of(chosen, settings), settings=settings.as_dict())
     try:
-        if first_part(chosen, case, settings) > LONG:
+        if takes_longer(chosen, case, settings, LONG):
             return replace(row, status=SLOW)
         run = run_of(chosen, case, settings)
     except (EngineFailure, Refusal, SettingError) as failure:

@@ -112,7 +112,7 @@ def classes(workshop: Workshop, among: Iterable[Groups] | None = None) -> Map:
 def recorded_rows(rows: Sequence[Row], whole: bool = True) -> list[Row]:
     """The rows of a scene that are recorded: the signed ones, the answers, and those on a front with an error up to `LARGEST_RECORDED`.
 
-    Unless the `whole` front is recorded, only the rows that give the time at a level, and the most accurate one.
+    Unless the `whole` front is recorded, only the rows that give the time at a level, and the most accurate one; without parts of times.
     """
     kept = {id(row) for row in rows if row.signed or row.level is not None}
     for method in dict.fromkeys(row.method for row in rows):
@@ -121,7 +121,8 @@ def recorded_rows(rows: Sequence[Row], whole: bool = True) -> list[Row]:
             on_front = front(given, by)
             chosen = [row for row in on_front if (row.worst or 0.0) <= LARGEST_RECORDED] if whole else around_levels(on_front, by)
             kept |= {id(row) for row in chosen}
-    return [row for row in rows if id(row) in kept]
+    without: dict[str, Any] = {} if whole else {"call_seconds": None, "rows_seconds": None, "setup_seconds": None}
+    return [replace(row, **without) for row in rows if id(row) in kept]
 
 
 def front_rows(workshop: Workshop) -> dict[str, Sequence[Any]]:
