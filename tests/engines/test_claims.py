@@ -100,6 +100,7 @@ def test_shapes_that_stay(shapes: str) -> None:
     assert max(ratios.values()) < 1.0
 
 
+@pytest.mark.verify
 def test_elements_in_place_of_modes() -> None:
     ratios = errors_over_claims_of("thesis-17", "multiplier", 0.3, {"shapes": "12", "family": "hermite", "tolerance": "1e-9"})
     assert max(ratios.values()) < 1.0

@@ -20,6 +20,7 @@ def test_it_conforms() -> None:
     assert outcome.conforms, outcome.failed
 
 
+@pytest.mark.verify
 def test_it_agrees_with_reference() -> None:
     case = qr.case("thesis-24", duration=0.1)
     ours, known = qr.simulate(case, Ritz()), qr.simulate(case, "reference")

@@ -291,6 +291,7 @@ def busy() -> None:
 
 
 @pytest.mark.parametrize("call", [qr.simulate, qr.modes], ids=["simulate", "modes"])
+@pytest.mark.verify
 def test_the_person_who_waits_for_a_compiler_is_told_once(
     call: Callable[..., object], place: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:

@@ -77,7 +77,9 @@ def test_stages_meet_the_conditions_of_order_five() -> None:
     np.testing.assert_allclose(back, stages, atol=1e-13)
 
 
-@pytest.mark.parametrize(("k", "d"), [(4e-3, 0.0), (1e3, 0.0), (1e9, 1.0), (4e-3, 1e6)])
+@pytest.mark.parametrize(
+    ("k", "d"), [(1e9, 1.0), *(pytest.param(*each, marks=pytest.mark.verify) for each in ((4e-3, 0.0), (1e3, 0.0), (4e-3, 1e6)))]
+)
 def test_order_five_whatever_the_stiffness(k: float, d: float) -> None:
     """At the end of an interval; natural frequencies of z are 2, 1e3 and 1e6 rad/s; the last damper holds z where it is."""
     work, error = [], []

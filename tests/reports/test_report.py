@@ -109,6 +109,7 @@ def test_a_report_on_ones_own_case_has_its_title_and_no_word_on_the_thesis() -> 
     assert [result.case.name for result in both.thesis_results] == ["thesis-24"]
 
 
+@pytest.mark.verify
 def test_a_later_report_removes_the_tables_of_an_earlier_one_and_nothing_else(tmp_path: Path) -> None:
     write(content_of(results=[reported_result("thesis-24"), reported_result("thesis-06")]), tmp_path)
     (tmp_path / "mine.csv").write_text("kept")

@@ -16,6 +16,7 @@ def models() -> dict[str, Model]:
     return {form: Model(system, form) for form in ("projection", "multipliers")}
 
 
+@pytest.mark.verify
 def test_energy_stays_and_both_forms_agree(models: dict[str, Model]) -> None:
     found = [model.simulate(START, 0.2, 0.01, tolerance=1e-11) for model in models.values()]
     for each in found:

@@ -192,6 +192,7 @@ os._exit(0)
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.verify
 def test_an_fmu_that_ends_its_process_takes_nothing_with_it(make: Make, capfd: pytest.CaptureFixture[str]) -> None:
     shutil.copy(make(), "sound.toml")
     path = make(MACHINE, ("[outputs]", "[set]\nmode = 2\n[outputs]"))

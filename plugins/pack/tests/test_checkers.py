@@ -21,7 +21,7 @@ Checker = Callable[..., tuple[int, dict[str, str]]]
 STATUSES = ("within", "outside", "beyond the horizon", "missing")
 PROGRAMS = {"python": "", "c++": "g++", "octave": "octave-cli", "julia": "julia"}
 #: Their interpreters take most of a second to start.
-SLOW = ("octave", "julia")
+SLOW = ("c++", "octave", "julia")
 
 
 def text_of(columns: Columns) -> str:

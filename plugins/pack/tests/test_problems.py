@@ -103,6 +103,7 @@ def test_the_bead_keeps_its_energy() -> None:
     assert np.ptp(kinetic + potential) < 2e-3 * np.max(kinetic)  # by differences of the rows
 
 
+@pytest.mark.verify
 def test_tables_made_anew_in_other_rows_are_within(tmp_path: Path) -> None:
     """The quick ones, by the formulation that did not make the table."""
     for problem, columns in (("bead", by_hand.bead(700)), ("double-four-bar", derived.double_four_bar(700)), ("sag", by_hand.sag(60))):

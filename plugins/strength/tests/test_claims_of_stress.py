@@ -83,6 +83,7 @@ def softened(scene: Mechanism, times: float) -> Mechanism:
 
 
 @pytest.mark.parametrize("number", [0, 1, 2])
+@pytest.mark.verify
 def test_the_largest_stress_does_not_see_the_rows(number: int) -> None:
     """The same motion, recorded at rows a microsecond to half a millisecond apart; in the last machine the arm is a tenth as stiff."""
     scene = few()[number].mechanism

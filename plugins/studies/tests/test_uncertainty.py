@@ -47,6 +47,7 @@ def place(call: Call) -> Call:
     return call
 
 
+@pytest.mark.verify
 def test_quantiles_of_the_work_are_those_of_its_closed_form(place: Call) -> None:
     answer = place("uncertainty", "work.toml", "--json", "--output", "points.csv", "--plot", "work.png")
     assert answer.code == 0, answer.errors

@@ -50,6 +50,7 @@ def test_a_pipe_gets_lines_and_standard_output_stays_clean(script: Path) -> None
         assert re.search(f"^  {line}", program.stderr, re.MULTILINE), program.stderr
 
 
+@pytest.mark.verify
 def test_a_terminal_gets_the_bar_and_what_is_at_work_and_standard_output_stays_clean(script: Path) -> None:
     reading, writing = pty.openpty()
     environment = {**os.environ, "TERM": "xterm", "COLUMNS": "100"}

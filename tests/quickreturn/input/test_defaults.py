@@ -14,6 +14,7 @@ def _scene(tmp_path: Path) -> None:
     (tmp_path / "small.toml").write_text(SCENE)
 
 
+@pytest.mark.verify
 def test_simulate_runs_reference_and_writes_nothing_but_the_store_unless_asked(call: Call, tmp_path: Path) -> None:
     before = sorted(tmp_path.iterdir())
     answer = call("simulate", "small.toml", "--duration", "10 ms", "--no-store")

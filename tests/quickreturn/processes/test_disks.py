@@ -26,6 +26,7 @@ def no_file_larger_than(size: int) -> Iterator[None]:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
+@pytest.mark.verify
 def test_a_full_disk_costs_no_result_that_is_shown_and_none_that_was_stored(place: Path, call: Call) -> None:
     assert call("run", "small.toml", *engines("also-sound")).code == 0
     (entry,) = stored(place)

@@ -163,6 +163,7 @@ def test_a_benchmark_leaves_out_what_dies(place: Path, call: Call, monkeypatch: 
 # --- the runner is killed or interrupted -----------------------------------------------------------------------------------------
 
 
+@pytest.mark.verify
 def test_a_killed_run_takes_its_workers_with_it_and_the_next_one_continues(place: Path, call: Call) -> None:
     program = run(place, "sound", "also-sound", "waits")
     wait_until(lambda: len(stored(place)) == 2 and "waits" in simulations(place), program)

@@ -73,6 +73,7 @@ class RigidMechanism:
 
 
 @pytest.mark.parametrize("change", [(), ("--set", "crank.length=5 in", "--set", "crank.initial_angle=200 deg")])
+@pytest.mark.verify
 def test_a_simulation_written_from_the_text_passes(call: Call, change: tuple[str, ...]) -> None:
     text = call("show", "rigid", *change, "--for-other-tools").output
     given = numbers(text)
@@ -103,6 +104,7 @@ def test_a_simulation_written_from_the_text_passes(call: Call, change: tuple[str
     assert len(case["checks"]) == 28
 
 
+@pytest.mark.verify
 def test_the_start_that_is_printed_is_the_engines_first_row(call: Call) -> None:
     change = ("--set", "crank.initial_angle=200 deg")
     start = numbers(call("show", "thesis-24", *change, "--for-other-tools").output)["START"]

@@ -132,6 +132,7 @@ def test_code_is_compiled_anew_where_what_is_compiled_has_changed(installed: Pat
     assert {file: found == old for (file, *_), found in zip(CHANGES, new, strict=True)} == {file: same for file, *_, same in CHANGES}
 
 
+@pytest.mark.verify
 def test_a_function_of_another_file_is_compiled_anew_where_that_has_changed(tmp_path: Path) -> None:
     code = f"from {DECORATORS} import compiled\nfrom small import value\nprint(value())"
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join((str(tmp_path), str(ROOT))), "NUMBA_CACHE_DIR": str(tmp_path / "kept")}

@@ -74,6 +74,7 @@ def test_an_object_names_all_that_it_refers_to(entry: Entry) -> None:
 @pytest.mark.parametrize(
     "damage", [lambda content: content[:-100], lambda content: b"", lambda content: b"\0" + content], ids=["short", "empty", "odd"]
 )
+@pytest.mark.verify
 def test_a_damaged_object_is_not_loaded(loop: Entry, damage: object) -> None:
     loop.path.write_bytes(damage(loop.path.read_bytes()))  # type: ignore[operator]
     assert loop.address

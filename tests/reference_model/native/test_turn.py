@@ -102,6 +102,7 @@ def test_where_nothing_can_be_written_nobody_waits(tmp_path: Path) -> None:
     Turn(tmp_path / "file/code.turn").take()
 
 
+@pytest.mark.verify
 def test_one_process_compiles_what_two_need(tmp_path: Path) -> None:
     (tmp_path / "small.py").write_text("def double(x):\n    return x + x\n")
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "NUMBA_CACHE_DIR": str(tmp_path / "cache")}

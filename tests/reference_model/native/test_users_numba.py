@@ -87,6 +87,7 @@ def test_a_users_function_is_the_same_before_and_after_a_simulation(tmp_path: Pa
     assert [json.loads(line) for line in printed(code, tmp_path, before, after).splitlines()] == 2 * [json.loads(expected)]
 
 
+@pytest.mark.verify
 def test_numba_its_settings_and_the_environment_stay_as_they_are(tmp_path: Path) -> None:
     """`threadpoolctl`, which counts threads, sets a variable at its import."""
     code = f"import os, threadpoolctl{STATE}before = state(){USES}after = state(){DIFFERENCES}"
@@ -114,6 +115,7 @@ HIDDEN = {
 
 
 @pytest.mark.parametrize("what", HIDDEN)
+@pytest.mark.verify
 def test_without_an_inside_of_numba_each_process_compiles_and_says_so(what: str, tmp_path: Path) -> None:
     said, result = printed(WITHOUT.format(hidden=HIDDEN[what], simulates=""), tmp_path).splitlines()
     assert said.count("every process compiles its equations again") == 1

@@ -64,6 +64,7 @@ def assert_fitting(name: str, box: list[float], texts: list[Any]) -> None:
 
 
 @pytest.mark.parametrize("width", [390, pytest.param(1400, marks=pytest.mark.verify)])
+@pytest.mark.verify
 def test_no_text_of_a_chart_covers_another_or_is_cut_off(opened: Open, width: int) -> None:
     page = everything(opened, width=width)
     charts = page.evaluate(TEXTS)
@@ -74,6 +75,7 @@ def test_no_text_of_a_chart_covers_another_or_is_cut_off(opened: Open, width: in
 
 
 @pytest.mark.parametrize("width", [390, pytest.param(1400, marks=pytest.mark.verify)])
+@pytest.mark.verify
 def test_what_is_too_wide_can_be_scrolled_and_says_so(opened: Open, width: int) -> None:
     page = everything(opened, width=width)
     script = """() => [...document.querySelectorAll("main *")].filter((each) => each.clientWidth && each.scrollWidth > each.clientWidth + 1)
@@ -85,6 +87,7 @@ def test_what_is_too_wide_can_be_scrolled_and_says_so(opened: Open, width: int) 
         assert wide
 
 
+@pytest.mark.verify
 def test_a_legend_names_every_series_that_is_drawn(opened: Open) -> None:
     page = everything(opened)
     script = """each => [JSON.parse(each.previousElementSibling.textContent).series.map(series => series.name),
@@ -103,6 +106,7 @@ def rgb(colour: str) -> str:
 
 
 @pytest.mark.parametrize("scheme", ["light", pytest.param("dark", marks=pytest.mark.verify)])
+@pytest.mark.verify
 def test_a_name_has_one_colour_and_one_mark_in_all_charts(opened: Open, scheme: str) -> None:
     page = everything(opened, color_scheme=scheme)
     script = """all => all.filter(each => each.dataset.of).flatMap(each => [...each.querySelectorAll("circle, polygon, polyline, line")]
@@ -161,6 +165,7 @@ def test_a_chart_changes_over_to_the_deflection_alone(opened: Open) -> None:
         assert len(shown.screenshot()) > 5000
 
 
+@pytest.mark.verify
 def test_a_chart_is_taken_away_as_it_is_seen(opened: Open) -> None:
     page = opened("#at=0&chapter=methods&section=methods-thesis-24")
     with page.expect_download() as waited:

@@ -31,6 +31,7 @@ def charts(opened: Open, width: int) -> tuple[Page, list[list[Any]]]:
 
 
 @pytest.mark.parametrize("width", [390, pytest.param(1400, marks=pytest.mark.verify)])
+@pytest.mark.verify
 def test_they_fit_and_no_text_covers_another(opened: Open, width: int) -> None:
     page, found = charts(opened, width)
     for each in found:
@@ -41,6 +42,7 @@ def test_they_fit_and_no_text_covers_another(opened: Open, width: int) -> None:
     assert page.evaluate("document.documentElement.scrollWidth") <= width
 
 
+@pytest.mark.verify
 def test_bars_stand_on_zero_beside_each_other_and_say_what_they_are(opened: Open) -> None:
     page, _ = charts(opened, 1400)
     chart = page.locator("#drive .chart").first
@@ -57,6 +59,7 @@ def test_bars_stand_on_zero_beside_each_other_and_say_what_they_are(opened: Open
 
 
 @pytest.mark.parametrize("width", [390, pytest.param(1400, marks=pytest.mark.verify)])
+@pytest.mark.verify
 def test_forces_have_one_scale_along_both_axes_and_show_where_they_begin(opened: Open, width: int) -> None:
     page, _ = charts(opened, width)
     script = """all => all.map(chart => {

@@ -51,6 +51,7 @@ def test_the_animation_begins_by_itself_advances_and_stops(opened: Open) -> None
     assert cursor(page) != stopped
 
 
+@pytest.mark.verify
 def test_a_link_restores_the_view(opened: Open) -> None:
     page = opened("#run=thesis-17&engines=reference,mujoco&at=123.5&signal=strain_2&bend=10&chapter=thesis")
     assert cursor(page) == 123.5
@@ -150,6 +151,7 @@ def test_tables_are_sorted_and_filtered(opened: Open) -> None:
 
 
 @pytest.mark.parametrize("scheme", ["light", pytest.param("dark", marks=pytest.mark.verify)])
+@pytest.mark.verify
 def test_nothing_overflows_a_telephone_and_no_picture_is_empty(opened: Open, scheme: str) -> None:
     page = opened("#at=200", width=390, height=844, color_scheme=scheme)
     page.evaluate("document.querySelectorAll('details.chapter').forEach(each => { each.open = true; })")
@@ -234,6 +236,7 @@ def test_the_mechanism_uses_the_space_that_there_is(opened: Open, width: int, he
     assert below > 0.85 * height  # no blank below
 
 
+@pytest.mark.verify
 def test_what_a_cell_or_a_mark_stands_for_is_told_by_touch(opened: Open) -> None:
     page = opened("#at=0&chapter=methods&section=methods-thesis-24", has_touch=True, width=390, height=844)
     page.locator("#table-fastest .remark").first.tap()

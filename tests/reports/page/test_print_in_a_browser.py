@@ -5,6 +5,7 @@ import pytest
 from tests.reports.in_a_browser import Open
 
 
+@pytest.mark.verify
 def test_on_paper_there_are_stills_no_buttons_and_every_chapter(opened: Open) -> None:
     page = opened("#at=0", color_scheme="dark")
     page.evaluate("dispatchEvent(new Event('beforeprint'))")

@@ -32,6 +32,7 @@ def chart(opened: Open, width: int = 1400) -> tuple[Page, Locator]:
 
 
 @pytest.mark.parametrize("width", [390, pytest.param(1400, marks=pytest.mark.verify)])
+@pytest.mark.verify
 def test_it_fits_and_no_text_covers_another(opened: Open, width: int) -> None:
     page, found = chart(opened, width)
     name, box, texts = next(each for each in page.evaluate(TEXTS) if each[0].startswith("The resonance curve"))
@@ -43,6 +44,7 @@ def test_it_fits_and_no_text_covers_another(opened: Open, width: int) -> None:
     assert found.bounding_box()["width"] <= width  # type: ignore[index]
 
 
+@pytest.mark.verify
 def test_unstable_parts_are_dashed_and_the_machine_is_marked(opened: Open) -> None:
     _, found = chart(opened)
     script = """all => all.map(each => [each.parentElement.dataset.series, each.getAttribute("stroke-dasharray")])"""
@@ -57,6 +59,7 @@ def test_unstable_parts_are_dashed_and_the_machine_is_marked(opened: Open) -> No
         assert box["x"] + box["width"] / 2.0 == pytest.approx(line["x"] + line["width"] / 2.0, abs=0.6)
 
 
+@pytest.mark.verify
 def test_the_pointer_reads_a_fold(opened: Open) -> None:
     page, found = chart(opened)
     found.locator("[data-series=fold] polygon").first.hover()
@@ -65,6 +68,7 @@ def test_the_pointer_reads_a_fold(opened: Open) -> None:
     assert "times the crank’s speed" in told.inner_text()
 
 
+@pytest.mark.verify
 def test_arrow_keys_go_along_the_curve_and_to_other_series(opened: Open) -> None:
     page, found = chart(opened)
     told = page.locator("#resonance .reading")
@@ -85,6 +89,7 @@ def test_arrow_keys_go_along_the_curve_and_to_other_series(opened: Open) -> None
     assert found.locator("circle[visibility=visible]").count() == 1
 
 
+@pytest.mark.verify
 def test_a_page_without_a_curve_has_the_sentence_in_its_place(opened: Open, tmp_path: Path) -> None:
     refused = Around(AROUND.case, None, "a resonance curve needs a follower that bends")
     write(Content(results=[reported_result("example")], data={around_of: [refused]}, facts=machine_facts()), tmp_path)

@@ -11,6 +11,7 @@ APART = 16
 pytestmark = pytest.mark.parametrize("hunt", HUNTS.values(), ids=list(HUNTS))
 
 
+@pytest.mark.verify
 def test_the_unchanged_source_agrees(hunt: Hunt) -> None:
     assert max(hunt.exercise(original(hunt.source))) < hunt.tolerance
 
@@ -21,6 +22,7 @@ def test_every_term_is_evaluated(hunt: Hunt) -> None:
     assert [str(site) for site in hunt.sites[1] if site.flip != refusals] == []
 
 
+@pytest.mark.verify
 def test_mutants_all_over_the_source_are_caught(hunt: Hunt) -> None:
     assert len(hunt.sites[0]) > hunt.least
     assert hunt.survivors(hunt.sites[0][::APART]) == []

@@ -45,6 +45,7 @@ def values(words: str) -> dict[str, float]:
     return {key: float(new) / float(old) for key, new, old in re.findall(rf"(\S+) of about {unit} in place of {unit}", words)}
 
 
+@pytest.mark.verify
 def test_a_quantity_is_named_through_noise_and_none_where_nothing_differs(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of a few, for the search's time; all of them are tried below."""
     monkeypatch.setattr(quantities, "CANDIDATES", ("follower.bending_stiffness", "tip.mass", "crank.length"))

@@ -115,6 +115,7 @@ def inferred() -> Inference:
     return infer(tuple(records.finding()), {})
 
 
+@pytest.mark.verify
 def test_weights_are_shares_and_priors_move_them() -> None:
     found = inferred()
     for prior in PRIORS:
@@ -124,6 +125,7 @@ def test_weights_are_shares_and_priors_move_them() -> None:
     assert tight < untold
 
 
+@pytest.mark.verify
 def test_a_recorded_curve_takes_the_place_of_words_and_decides() -> None:
     """Measured halves that are alike leave nothing for the soft roller."""
     alike = {name: dict.fromkeys(RUNS, 1.02) for name in ("pre_frequency", "post_frequency")}
