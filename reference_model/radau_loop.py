@@ -1,4 +1,4 @@
-"""The compiled loop of Radau IIA, order 5 (see `implicit`); equation numbers are those of RADAU.md."""
+"""The compiled loop of Radau IIA, order 5 (see `integrate`); equation numbers are those of RADAU.md."""
 
 import math
 from typing import Any, Final

@@ -16,7 +16,7 @@ from typing import Final
 import numpy as np
 
 from quickreturn.cases.files.errors import Argument, CaseError, as_written
-from quickreturn.cases.motion.cycle import HALVES
+from quickreturn.cases.motion.cycle import HALVES, VIBRATION
 from quickreturn.cases.motion.estimates import TIME
 from quickreturn.cases.motion.measure import Measure, SettledMotion, number_of
 from quickreturn.cases.motion.number import NO_NUMBER, Number
@@ -90,12 +90,17 @@ def _per_turn(column: str, motion: SettledMotion) -> Number:
 
 def _consensus(half: str, motion: SettledMotion) -> Number:
     consensus = motion.run.consensus_of(half)
-    return _fitted(None if consensus is None else consensus.number)
+    number = None if consensus is None else consensus.number
+    if number is None:
+        return NO_NUMBER
+    channels = [each for name in CHANNELS if (each := motion.run.number(VIBRATION[0], half, name)) is not None]
+    weights = np.array([each.measurement for each in channels]) ** -2.0
+    left = float(weights @ [each.settling for each in channels] / weights.sum())
+    return _fitted(replace(number, settling=left))
 
 
 def _vibration(half: str, channel: str, quantity: str, motion: SettledMotion) -> Number:
-    measure = motion.run.measure(half, channel)
-    return _fitted(None if measure is None else measure.number(quantity))
+    return _fitted(motion.run.number(quantity, half, channel))
 
 
 def _fitted(number: Number | None) -> Number:

@@ -2,17 +2,21 @@
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from quickreturn.cases.library import library_case
 from quickreturn.cases.motion.catalogue import MEASURES, numbers
+from quickreturn.cases.motion.cycle import HALVES
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.number import NO_NUMBER, Number
 from quickreturn.cases.motion.of_turn import OF_TURN, by_spacing, rms_over_time
 from quickreturn.cases.motion.request import Run
+from quickreturn.cases.motion.time_scale import CHANNELS
 from quickreturn.engines.error_parts import ErrorPart
+from tests.reports.reported_results import reported_result
 
 #: A turn in 0.5 s of a crank whose speed varies by 0.3 rad/s about its mean.
 TURNED = np.linspace(0.0, 2.0 * np.pi, 1001)
@@ -63,3 +67,21 @@ def test_a_column_that_an_engine_does_not_give_leaves_no_number() -> None:
     assert found["variation.crank_speed"] == NO_NUMBER
     assert math.isnan(found["mean.crank_speed"].error)  # nothing was compared
     assert numbers(mechanism, Run(engine="foreign", estimate_of="total")) == {}
+
+
+def test_what_is_left_to_the_steady_state_is_in_frequencies_and_amplitudes() -> None:
+    """As far as the fit passes it on: by half of it relative to the signal for a frequency, by twice for an amplitude."""
+    result, left = reported_result("thesis-24"), 1e-3
+    run = result.runs["mujoco"]
+    sizes = {name: rms_over_time(run.cycle["time"], run.cycle[name]) for name in CHANNELS}
+    gains = {"first_mode_frequency_gain": 0.5, "first_mode_amplitude_gain": 2.0}
+    measures = tuple(replace(each, variation=sizes[each.channel], **gains) for each in run.measured.measures)
+    approach = replace(run.approach, settling_error=left)
+    found = numbers(result.case.mechanism, replace(run, measured=replace(run.measured, measures=measures), approach=approach))
+    for half in HALVES:
+        for kind, gain in (("frequency", 0.5), ("amplitude", 2.0)):
+            number = found[f"{half}.{kind}.strain_1"]
+            assert number.settling == pytest.approx(gain * left * number.value)
+        of_channels = [found[f"{half}.frequency.{name}"].settling for name in CHANNELS]
+        resolved = [settling for settling in of_channels if settling > 0.0]
+        assert found[f"{half}.frequency"].settling == pytest.approx(np.mean(resolved), rel=0.1)  # a weighted mean of those alike
