@@ -143,7 +143,8 @@ def test_natural_frequencies_fit_the_size(name: str, size: Size) -> None:
 def test_claims_and_settings_that_reach_an_accuracy_fit_the_size(name: str, size: Size) -> None:
     """The same rungs are tried, and claim the same error.
 
-    To 3 %, because two runs of a claim differ by other last digits; to 30 % where an error of the integration is all that is claimed.
+    To 3 %, because two runs of a claim differ by other last digits; to 30 % where an error of the integration is all that is claimed. Where
+    it is claimed beside others, each difference of two runs may contain it: steps of a loose tolerance fall elsewhere in another size.
     """
     asked, scene = engine(name), machine(name)
     expected, found = (
@@ -154,4 +155,8 @@ def test_claims_and_settings_that_reach_an_accuracy_fit_the_size(name: str, size
         assert found.error_estimate <= asked.default_accuracy
         return
     assert numbers(found.delivered) == pytest.approx(numbers(size.settings(expected.delivered)), rel=0.11)
-    assert found.error_estimate == pytest.approx(expected.error_estimate, rel=0.3 if asked.estimates == "integration" else 0.03)
+    parts = expected.error_parts["tip"]
+    in_time = 0.0 if asked.estimates == "integration" else sum(part.error for part in parts if part.of == "time")
+    relative = 0.3 if asked.estimates == "integration" else 0.03
+    unsure = relative * expected.error_estimate + in_time * sum(part.counted for part in parts)
+    assert found.error_estimate == pytest.approx(expected.error_estimate, abs=unsure)

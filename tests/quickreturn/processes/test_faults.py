@@ -46,8 +46,8 @@ FAULTS = {
 @pytest.fixture
 def no_resonance_curve(monkeypatch: pytest.MonkeyPatch) -> None:
     """Reports without the motion at other speeds, which none of these engines computes and which takes seconds."""
-    monkeypatch.setattr("quickreturn.reports.report.jobs_around", lambda cases: {})
-    monkeypatch.setattr("quickreturn.reports.report.curves_around", lambda cases, workshop, speeds: ())
+    monkeypatch.setattr("quickreturn.plugins.studies.around.jobs_around", lambda cases: {})
+    monkeypatch.setattr("quickreturn.plugins.studies.around.curves_around", lambda cases, workshop, speeds: [])
 
 
 # --- engines that misbehave ------------------------------------------------------------------------------------------------------
