@@ -37,6 +37,10 @@ class Ladder(Generic[S]):
         """The coarsest rung that claims `accuracy`, else the finest one; `gain` is the error in a scene over that in run 24."""
         return next((rung for rung, claim in self.rungs if gain * claim <= accuracy), self.rungs[-1][0])
 
+    def rung(self, size: int) -> S:
+        """The first rung of at least this size, else the finest one."""
+        return self._first(size)[0]
+
     def claim(self, size: int) -> float:
         """Error that the first rung of at least this size claims, else the finest rung."""
         return self._first(size)[1]
@@ -45,7 +49,7 @@ class Ladder(Generic[S]):
         """The settings with another size, and a tolerance no looser than that of the first rung of at least this size."""
         changes: dict[str, float] = {self.size: size}
         if self.tolerance:
-            changes[self.tolerance] = min(getattr(settings, self.tolerance), getattr(self._first(size)[0], self.tolerance))
+            changes[self.tolerance] = min(getattr(settings, self.tolerance), getattr(self.rung(size), self.tolerance))
         return settings.replaced(**changes)
 
     def finer(self, settings: Climbing, excess: Mapping[str, float] = NOTHING_KNOWN) -> Climbing | None:

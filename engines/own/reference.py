@@ -74,11 +74,18 @@ SLOWEST_RATIO: Final = 0.5
 #: `stiffness_ratio` below which no mode is slowed, because the motion needs the higher modes. In run 24 (4.1) slowing costs nothing; with a
 #: tenth of its stiffness (1.3) the error is ten times as large (`engines/LADDERS.md`, section 1).
 SOFT_FOLLOWER: Final = 3.0
+#: `stiffness_ratio` of run 24 with a tenth of its stiffness, on which the ladder of soft followers was measured; and the power with which
+#: the error is taken to fall with this ratio, to begin near the rung that suffices (`engines/LADDERS.md`, section 1).
+RATIO_OF_SOFT: Final = 1.3
+POWER_OF_SOFT: Final = 3.0
 #: Modes -> `Comparison.alike`; 0 for other numbers of modes, and for modes as they are, which follow where slowed ones were not enough.
 ALIKE_WITHIN: Final = {1: 4.0, 2: 4.0, 4: 2.0}
 #: Length of the last step of the search for a periodic motion, relative to the motion. A tenth of it or less is left, which counts as
 #: settled in a simulation from cycle to cycle.
 ORBIT_TOLERANCE: Final = 1e-3
+#: Loosest tolerance of the integration in that search. At 1e-4 the implicit one finds multipliers of soft followers wrong by up to 6e-3, at
+#: 1e-5 by 2e-4.
+ORBIT_INTEGRATION: Final = 1e-5
 
 
 R = TypeVar("R", bound="ReferenceSettings")
@@ -97,22 +104,27 @@ class ReferenceSettings(BeamSettings):
         return self.modes
 
     def with_texts(self, texts: dict[str, str]) -> Self:
-        """See `Settings.with_texts`; another number of modes is slowed to another mode, unless that is given too."""
+        """See `Settings.with_texts`; unless they are given, too, slowed modes and a tolerance to match come with modes and integrator."""
         changed = super().with_texts(texts)
-        return slowed(changed) if self.slowed_to and "modes" in texts and "slowed_to" not in texts else changed
+        if self.slowed_to and "modes" in texts and "slowed_to" not in texts:
+            changed = slowed(changed)
+        if changed.integrator != self.integrator and "tolerance" not in texts:
+            changed = changed.replaced(tolerance=ladder_of(changed).rung(changed.modes).tolerance)
+        return changed
 
 
-#: Modes, integration tolerance with and without added inertia, and error of the tip deflection in run 24 over 2 s.
+#: Modes; integration tolerance explicit with added inertia, explicit without, implicit without; and error of the tip deflection over 2 s in
+#: run 24, and with a tenth of its stiffness.
 _RUNGS: Final = (
-    (1, 1e-5, 1e-5, 2.7e-2),
-    (2, 1e-5, 1e-5, 1.5e-3),
-    (4, 1e-5, 3e-7, 8e-4),
-    (5, 1e-5, 1e-7, 4.9e-4),
-    (6, 3e-6, 1e-7, 2.3e-4),
-    (7, 3e-6, 1e-8, 8.2e-5),
-    (8, 1e-6, 1e-8, 3.5e-5),
-    (9, 1e-6, 3e-9, 1.5e-5),
-    (11, 1e-7, 1e-9, 4e-6),
+    (1, 1e-5, 1e-5, 1e-4, 2.7e-2, 1.2),
+    (2, 1e-5, 1e-5, 1e-4, 1.5e-3, 0.97),
+    (4, 1e-5, 3e-7, 1e-4, 8e-4, 2.8e-2),
+    (5, 1e-5, 1e-7, 1e-4, 4.9e-4, 1.8e-2),
+    (6, 3e-6, 1e-7, 1e-4, 2.3e-4, 8.5e-3),
+    (7, 3e-6, 1e-8, 3e-5, 8.2e-5, 3.7e-3),
+    (8, 1e-6, 1e-8, 1e-5, 3.5e-5, 1.2e-3),
+    (9, 1e-6, 3e-9, 1e-5, 1.5e-5, 4.4e-4),
+    (11, 1e-7, 1e-9, 1e-6, 4e-6, 8.8e-5),
 )
 
 
@@ -121,14 +133,22 @@ def slowed(settings: R) -> R:
     return settings.replaced(slowed_to=unslowed(settings.modes))
 
 
-def _ladder(column: int) -> Ladder[ReferenceSettings]:
-    """The rungs, with the tolerance in a column of `_RUNGS`."""
-    rungs = ((ReferenceSettings(modes=rung[0], tolerance=rung[column]), rung[-1]) for rung in _RUNGS)
+def _ladder(tolerated: int, error: int, integrates: str = EXPLICIT) -> Ladder[ReferenceSettings]:
+    """The rungs, with tolerance and error in two columns of `_RUNGS`."""
+    rungs = ((ReferenceSettings(modes=rung[0], tolerance=rung[tolerated], integrator=integrates), rung[error]) for rung in _RUNGS)
     return Ladder(tuple(rungs), "modes", "tolerance")
 
 
-#: Ladders for modes of which the higher half is slowed, and for modes as they are: runs begin on the first and climb to the second.
-SLOWED, AS_THEY_ARE = _ladder(1), _ladder(2)
+#: Ladders for modes of which the higher half is slowed, and for modes as they are: runs begin on the first and climb to the second; and for
+#: modes as they are of a soft follower.
+SLOWED, AS_THEY_ARE, SOFT = _ladder(1, 4), _ladder(2, 4), _ladder(3, 5, IMPLICIT)
+
+
+def ladder_of(settings: ReferenceSettings) -> Ladder[ReferenceSettings]:
+    """The ladder that settings belong to."""
+    if settings.slowed_to:
+        return SLOWED
+    return SOFT if settings.integrator == IMPLICIT else AS_THEY_ARE
 
 
 class ReferenceEngine(BeamEngine[ReferenceSettings]):
@@ -181,10 +201,13 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
     def settings_for(self, accuracy: float, scene: Scene) -> ReferenceSettings:
         """Number of modes from the measured table; fewer for a stiffer follower than run 24's, more where rollers strike it.
 
-        None is slowed where a shape carries the moment at the base: with an added inertia it would carry a sudden one too late.
+        None is slowed where a shape carries the moment at the base: with an added inertia it would carry a sudden one too late; nor of a
+        soft follower, whose motion needs the higher modes and is integrated implicitly.
         """
         if not scene.slider.has_corners:
-            is_slowed = scene.crank is not None and not 0.0 < stiffness_ratio(scene) < SOFT_FOLLOWER and not needs_base_shape(scene)
+            if 0.0 < (ratio := stiffness_ratio(scene)) < SOFT_FOLLOWER:
+                return SOFT.pick(accuracy, min((RATIO_OF_SOFT / ratio) ** POWER_OF_SOFT, 1.0))
+            is_slowed = scene.crank is not None and not needs_base_shape(scene)
             return slowed(fitted(SLOWED, accuracy, scene)) if is_slowed else fitted(AS_THEY_ARE, accuracy, scene)
         if blow(scene) <= LEAST_BLOW:
             return slowed(fitted(AS_THEY_ARE, accuracy, scene))
@@ -198,12 +221,12 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         relative difference is then larger in accelerations than in the deflection. With clamped modes the error of the deflection falls
         faster than stated, so that its estimate is a little too large.
         """
-        ladder = SLOWED if settings.slowed_to else AS_THEY_ARE
-        others = compared_integration(settings) if settings.integrator == IMPLICIT else ()  # finer runs have a tighter tolerance, too
+        ladder = ladder_of(settings)
         less_slowed = settings.slowed_to >= unslowed(settings.modes)  # with more modes, whose error includes that by slowing
-        if not less_slowed:
-            others = (*compared_slowing(settings), *others)
+        others = () if less_slowed else compared_slowing(settings)
         if settings.modes + 2 > MOST_MODES:
+            if settings.integrator == IMPLICIT:
+                others = (*others, *compared_integration(settings))
             fewer = ladder.sized(settings, settings.modes - 2)
             return (Comparison(settings, slowed(fewer) if less_slowed else fewer, 1.0 / RATIO, of="modes"), *others)
 
@@ -232,9 +255,8 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
     def finer(self, settings: ReferenceSettings, excess: Mapping[str, float], output_step: float) -> ReferenceSettings | None:
         """The same modes as they are, if any was slowed, for they may ring too slowly; else the next rung of the ladder."""
         plain = settings.replaced(slowed_to=0)
-        if settings.slows:
-            return AS_THEY_ARE.sized(plain, settings.modes)
-        return AS_THEY_ARE.finer(plain, excess)
+        ladder = ladder_of(plain)
+        return ladder.sized(plain, settings.modes) if settings.slows else ladder.finer(plain, excess)
 
     def steady_state(
         self, mechanism: Mechanism, start: Start, settings: ReferenceSettings, near: SteadyState | None = None
@@ -260,7 +282,7 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
             if not mechanism.crank_is_free:
                 State.of(guess).u[0] = State.of(begin.state).u[0]
         try:
-            orbit = periodic_orbit(model, guess, ORBIT_TOLERANCE, settings.tolerance)
+            orbit = periodic_orbit(model, guess, ORBIT_TOLERANCE, min(settings.tolerance, ORBIT_INTEGRATION))
         except NoPeriodicOrbit as reason:
             raise NoSteadyState(str(reason)) from reason
         return FoundOrbit(

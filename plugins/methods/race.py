@@ -134,7 +134,7 @@ def raced(case: Case, contest: Contest, truth: Truth) -> list[Row]:
     if contest.runs:
         _pin()
         rows += [replace(tried(chosen, case, settings_for(line, case.mechanism), truth), signed=line.signed_by) for line in contest.lines]
-        for combination in combinations(chosen)[: 1 if contest.usual else None]:
+        for combination in combinations(chosen, case.mechanism)[: 1 if contest.usual else None]:
             seeds = combination.seeds(contest.levels, case.mechanism)
             rows += search(seeds, contest.levels, contest.runs, lambda settings: tried(chosen, case, settings, truth), case.output_step)
     levels = {*contest.levels, chosen.default_accuracy} if contest.runs else contest.levels

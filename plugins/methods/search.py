@@ -49,11 +49,11 @@ class Combination:
         return list(dict.fromkeys(found))
 
 
-def combinations(engine: AnyEngine) -> list[Combination]:
-    """An engine's usual choices, and those that differ from them in one."""
-    choices = choices_of(engine)
-    usual = {name: texts[0] for name, texts in choices.items()}
-    others = [{**usual, name: text} for name, texts in choices.items() for text in texts[1:]]
+def combinations(engine: AnyEngine, mechanism: Mechanism) -> list[Combination]:
+    """An engine's usual choices for a mechanism, by its default accuracy, and those that differ from them in one."""
+    choices, own = choices_of(engine), engine.settings_for(engine.default_accuracy, mechanism)
+    usual = {name: str(getattr(own, name)) for name in choices}
+    others = [{**usual, name: text} for name, texts in choices.items() for text in texts if text != usual[name]]
     return [Combination(engine, each) for each in (usual, *others)]
 
 

@@ -1,7 +1,6 @@
 """The search finds what a complete grid of settings finds, whatever an engine declares, and each combination has as many runs at most."""
 
 import itertools
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import pytest
@@ -78,18 +77,21 @@ def test_a_step_stays_within_what_an_engine_accepts_and_moves_what_it_declares()
 
 
 def test_combinations_are_the_choices_that_an_engine_declares() -> None:
-    names: Callable[[str], list[str]] = lambda name: [  # noqa: E731
-        variant_of(engine(name), engine(name).settings_type().with_texts(dict(each.choices))) for each in combinations(engine(name))
-    ]
+    def names(name: str, case: str = "thesis-24") -> list[str]:
+        chosen, machine = engine(name), load_case(case).mechanism
+        return [variant_of(chosen, chosen.settings_type().with_texts(dict(each.choices))) for each in combinations(chosen, machine)]
+
     assert names("multiplier") == ["", "explicit", "hermite"]
     assert {"", "consistent", "both linear"} <= set(names("nodal-load"))
     assert names("mujoco") == [""]
+    assert names("reference") == ["", "implicit"]
+    assert names("reference", "hard-ei-x0.1") == ["implicit", ""]
 
 
 def test_every_engine_has_axes_and_other_seeds_for_other_levels() -> None:
     case = load_case("thesis-24", {"crank.prescribed_speed": "16.6 rad/s"})  # which all of them take
     for name in ("reference", "thesis", "exudyn", "mujoco", *RIVALS):
-        usual = combinations(engine(name))[0]
+        usual = combinations(engine(name), case.mechanism)[0]
         seeds = usual.seeds(LEVELS, case.mechanism)
         assert len(list(neighbours(seeds[0], STEPS[0], True))) >= 2, name
         assert len(seeds) > 1 or name == "nodal-load", name
