@@ -140,15 +140,15 @@ def _ladder(tolerated: int, error: int, integrates: str = EXPLICIT) -> Ladder[Re
 
 
 #: Ladders for modes of which the higher half is slowed, and for modes as they are: runs begin on the first and climb to the second; and for
-#: modes as they are of a soft follower.
-SLOWED, AS_THEY_ARE, SOFT = _ladder(1, 4), _ladder(2, 4), _ladder(3, 5, IMPLICIT)
+#: modes as they are where none can be slowed.
+SLOWED, AS_THEY_ARE, IMPLICITLY = _ladder(1, 4), _ladder(2, 4), _ladder(3, 5, IMPLICIT)
 
 
 def ladder_of(settings: ReferenceSettings) -> Ladder[ReferenceSettings]:
     """The ladder that settings belong to."""
     if settings.slowed_to:
         return SLOWED
-    return SOFT if settings.integrator == IMPLICIT else AS_THEY_ARE
+    return IMPLICITLY if settings.integrator == IMPLICIT else AS_THEY_ARE
 
 
 class ReferenceEngine(BeamEngine[ReferenceSettings]):
@@ -201,14 +201,17 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
     def settings_for(self, accuracy: float, scene: Scene) -> ReferenceSettings:
         """Number of modes from the measured table; fewer for a stiffer follower than run 24's, more where rollers strike it.
 
-        None is slowed where a shape carries the moment at the base: with an added inertia it would carry a sudden one too late; nor of a
-        soft follower, whose motion needs the higher modes and is integrated implicitly.
+        None is slowed of a soft follower, whose motion needs the higher modes; nor where a shape carries the moment at the base: with an
+        added inertia it would carry a sudden one too late. There the integration is implicit.
         """
         if not scene.slider.has_corners:
             if 0.0 < (ratio := stiffness_ratio(scene)) < SOFT_FOLLOWER:
-                return SOFT.pick(accuracy, min((RATIO_OF_SOFT / ratio) ** POWER_OF_SOFT, 1.0))
-            is_slowed = scene.crank is not None and not needs_base_shape(scene)
-            return slowed(fitted(SLOWED, accuracy, scene)) if is_slowed else fitted(AS_THEY_ARE, accuracy, scene)
+                return IMPLICITLY.pick(accuracy, min((RATIO_OF_SOFT / ratio) ** POWER_OF_SOFT, 1.0))
+            if scene.crank is None:
+                return fitted(AS_THEY_ARE, accuracy, scene)
+            if needs_base_shape(scene):
+                return IMPLICITLY.rung(fitted(AS_THEY_ARE, accuracy, scene).modes)
+            return slowed(fitted(SLOWED, accuracy, scene))
         if blow(scene) <= LEAST_BLOW:
             return slowed(fitted(AS_THEY_ARE, accuracy, scene))
         usual = AS_THEY_ARE.pick(accuracy)

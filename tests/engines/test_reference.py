@@ -11,6 +11,7 @@ from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.mujoco.engine import MujocoEngine
 from quickreturn.engines.mujoco.settings import ChainSettings
+from quickreturn.engines.own.beam_engine import EXPLICIT, IMPLICIT
 from quickreturn.engines.own.reference import AS_THEY_ARE, SLOWED, ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.start_state import reconstruct
@@ -26,6 +27,8 @@ ENGINE = ReferenceEngine()
 CONVERGED = ReferenceSettings(modes=11, tolerance=1e-9)
 #: What holds the plates alone (run 17 of the thesis).
 NO_PLATES = Tip(mass=0.007180200245105532, inertia=3.1635752127732676e-07)
+#: With three tenths of its stiffness modes are integrated implicitly, as they are.
+SOFT = run_24(follower={"bending_stiffness": 0.3 * run_24().follower.bending_stiffness})
 OFFSET_TIP = run_24(crank={"length": 5.0 * INCH}, tip={"center_of_mass": 0.0127})
 
 
@@ -40,6 +43,7 @@ def converged(mechanism: Mechanism) -> Trajectory:
     [
         pytest.param(run_24(), 1e-3, id="run 24, default"),
         pytest.param(OFFSET_TIP, 1e-2, id="crank 5 in, tip offset, coarse"),
+        pytest.param(SOFT, 1e-2, id="soft, implicit"),
         pytest.param(run_24(), 1e-2, id="run 24, coarse", marks=pytest.mark.verify),
         pytest.param(OFFSET_TIP, 1e-3, id="crank 5 in, tip offset, default", marks=pytest.mark.verify),
     ],
@@ -74,6 +78,18 @@ def test_ladder_climbs_and_starts_at_the_measured_rung() -> None:
         assert 0.0 < pair.factor < 1.0
         rung = ENGINE.finer(rung, {}, 1e-3)
     assert visited == [rung.modes for rung, _ in AS_THEY_ARE.rungs]
+
+
+@pytest.mark.parametrize("scene", [SOFT, run_24(base={"inertia": 0.0, "damping": 0.3})], ids=["soft follower", "moment at the base"])
+def test_where_no_mode_is_slowed_the_ladder_is_implicit(scene: Mechanism) -> None:
+    rung: ReferenceSettings | None = ENGINE.settings_for(0.05, scene)
+    while rung is not None:
+        assert (rung.slowed_to, rung.integrator) == (0, IMPLICIT)
+        (pair,) = ENGINE.comparisons(rung, scene, 1e-3)
+        assert pair.other.modes > rung.modes
+        assert pair.other.tolerance <= 0.1 * rung.tolerance  # so that it shows the error of the integration, too
+        rung = ENGINE.finer(rung, {}, 1e-3)
+    assert ENGINE.settings_for(1e-3, scene).with_texts({"integrator": EXPLICIT}).tolerance <= 3e-7
 
 
 def test_every_column_is_there_and_begins_as_the_rigid_mechanism() -> None:
