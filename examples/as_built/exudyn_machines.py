@@ -1,10 +1,10 @@
-"""Run 24 as users of Exudyn build it: ANCF cable elements, and Exudyn's own joints or contacts.
+"""Run 24 as users of Exudyn build it: ANCF cable elements, and Exudyn's own sliding joint.
 
     python exudyn_machines.py            # the names
     python exudyn_machines.py NAME FILE  # 2 s of that construction as a CSV table
 
-A construction says how the crank rides along the cable, in how many elements, with which step. All
-else is Exudyn's default.
+A construction says by which formulation the crank's pin is held on the cable, and with which step.
+All else is Exudyn's default.
 """
 
 import math
@@ -16,42 +16,33 @@ import exudyn as exu
 import exudyn.itemInterface as eii  # noqa: N813
 import numpy as np
 
-from run_24 import RADIUS, REACH, SCENE, ring, write_table
+from run_24 import REACH, SCENE, TURNING, bent, ring, write_table
 
 #: Axial stiffness of the strip, N: that of its section, and of a modulus that gives its EI.
 AXIAL: Final = 12.0 * SCENE["bending_stiffness"] / SCENE["thickness"] ** 2
+OUTPUT: Final = 1e-3  # s, of a table
 
 
 @dataclass(frozen=True)
 class Machine:
-    """A construction.
-
-    `joint`: "classical" or "reduced", the formulations of `ObjectJointSliding2D`; "circles", two
-    circles in contact about the cable.
-    """
+    """A construction, with the classical formulation of `ObjectJointSliding2D` or the other."""
 
     step: float  # s
-    joint: str = "classical"
+    classical: bool = True
     elements: int = 12
-    contact: float = 1e6  # N/m, a segment of the cable; with circles only
     tolerance: float = 1e-8  # relative, of Newton's iteration; Exudyn's default
     adaptive: bool = True  # smaller steps where Newton's iteration fails; Exudyn's default
-    output: float = 1e-3  # s, of the table
 
 
 FINE: Final = Machine(2.5e-4, tolerance=1e-5)
 MACHINES: Final = {
-    "sliding joint, 2 ms": Machine(2e-3, output=2e-3),
     "sliding joint, 1 ms": Machine(1e-3),
     "sliding joint, 0.5 ms": Machine(5e-4),
     "sliding joint, 0.25 ms": Machine(2.5e-4),
     "sliding joint, 0.25 ms, Newton 1e-5": FINE,
-    "sliding joint, not classical, 2 ms": Machine(2e-3, "reduced", output=2e-3),
-    "sliding joint, not classical, 1 ms": Machine(1e-3, "reduced"),
-    "sliding joint, not classical, 0.5 ms": Machine(5e-4, "reduced"),
-    "sliding joint, not classical, 0.25 ms, Newton 1e-5": replace(FINE, joint="reduced"),
-    "circles in contact, 0.5 ms": Machine(5e-4, "circles"),
-    "circles in contact, 0.25 ms": Machine(2.5e-4, "circles"),
+    "sliding joint, not classical, 1 ms": Machine(1e-3, classical=False),
+    "sliding joint, not classical, 0.5 ms": Machine(5e-4, classical=False),
+    "sliding joint, not classical, 0.25 ms, Newton 1e-5": replace(FINE, classical=False),
 }
 PROGRAM: Final = f"Exudyn {exu.__version__}"
 
@@ -70,13 +61,10 @@ class System:
         self.container = exu.SystemContainer()
         self.mbs = self.container.AddSystem()
         self.ground = self.mbs.AddObject(eii.ObjectGround())
-        turning = 0.0 if held else SCENE["crank_speed"] * SCENE["crank_length"] / REACH
-        cables = self._cable(turning, deflection)
+        cables = self._cable(0.0 if held else TURNING, deflection)
         self.crank: Any = None
-        if held:
-            self._guide(self._point(self.ground, -SCENE["crank_length"]), cables, turning)
-        else:
-            self._guide(self._crank(), cables, turning)
+        pin = self._point(self.ground, -SCENE["crank_length"]) if held else self._crank()
+        self._guide(pin, cables)
         self.mbs.Assemble()
 
     def _point(self, body: Any, x: float) -> Any:
@@ -126,7 +114,7 @@ class System:
         s, n, mbs = SCENE, self.machine.elements, self.mbs
         h, pivot = s["length"] / n, s["pivot_distance"]
         places = h * np.arange(n + 1)
-        bend, slope = (deflection * values for values in _bent(places))
+        bend, slope = (deflection * values for values in bent(places))
         moved = h * np.concatenate([[0.0], np.cumsum(slope[1:] ** 2 + slope[:-1] ** 2) / 4.0])
         self.nodes = [
             mbs.AddNode(
@@ -180,12 +168,9 @@ class System:
         self.crank = node
         return self._point(body, s["crank_length"] - center)
 
-    def _guide(self, pin: Any, cables: list[Any], turning: float) -> None:
-        """What keeps the crank's pin on the cable."""
+    def _guide(self, pin: Any, cables: list[Any]) -> None:
+        """The sliding joint, which keeps the crank's pin on the cable."""
         n, mbs = len(cables), self.mbs
-        if self.machine.joint == "circles":
-            self._circles(pin, cables, turning)
-            return
         h = SCENE["length"] / n
         markers = [mbs.AddMarker(eii.MarkerBodyCable2DCoordinates(bodyNumber=k)) for k in cables]
         first = min(int(REACH / h), n - 1)
@@ -196,36 +181,9 @@ class System:
                 slidingMarkerNumbers=markers,
                 slidingMarkerOffsets=[k * h for k in range(n)],
                 nodeNumber=mbs.AddNode(history),
-                useClassicalFormulation=self.machine.joint == "classical",
+                useClassicalFormulation=self.machine.classical,
             )
         )
-
-    def _circles(self, pin: Any, cables: list[Any], turning: float, segments: int = 3) -> None:
-        """A slider of 1 g on the pin, with a circle on either side of the strip."""
-        mbs, half = self.mbs, SCENE["thickness"] / 2.0
-        speed = 0.0 if self.crank is None else SCENE["crank_speed"]
-        node, slider = self._body(-SCENE["crank_length"], 1e-3, 1e-8, speed, 0.0)
-        mbs.SetNodeParameter(
-            node, "initialVelocities", [0.0, -speed * SCENE["crank_length"], turning]
-        )
-        self._hinge(pin, self._point(slider, 0.0))
-        for side in (1.0, -1.0):
-            place = [0.0, side * (RADIUS + half), 0.0]
-            circle = mbs.AddMarker(eii.MarkerBodyPosition(bodyNumber=slider, localPosition=place))
-            for cable in cables:
-                shape = eii.MarkerBodyCable2DShape(bodyNumber=cable, numberOfSegments=segments)
-                gaps = eii.NodeGenericData(
-                    initialCoordinates=[0.1] * segments, numberOfDataCoordinates=segments
-                )
-                mbs.AddObject(
-                    eii.ObjectContactCircleCable2D(
-                        markerNumbers=[circle, mbs.AddMarker(shape)],
-                        nodeNumber=mbs.AddNode(gaps),
-                        numberOfContactSegments=segments,
-                        contactStiffness=self.machine.contact,
-                        circleRadius=RADIUS + half,
-                    )
-                )
 
     def solve(self, duration: float) -> tuple[dict[str, np.ndarray], float]:
         """Columns of a table, and the processor time of the solve, s."""
@@ -249,7 +207,7 @@ class System:
         integration.newton.relativeTolerance = self.machine.tolerance
         integration.newton.useModifiedNewton = True
         settings.solution.file.write = False
-        settings.solution.sensors.writePeriod = self.machine.output
+        settings.solution.sensors.writePeriod = OUTPUT
         began = time.process_time()
         mbs.SolveDynamic(settings)
         spent = time.process_time() - began
@@ -259,41 +217,8 @@ class System:
         deflection = ((place[:, -1] - place[:, 0]) * np.abs(slope[:, 0]) / slope[:, 0]).imag
         columns = {"time": np.round(stored[0][:, 0], 9), "tip_deflection": deflection}
         if self.crank is not None:
-            angle = stored[-1][:, 3]
-            pin = SCENE["crank_length"] * np.exp(1j * angle)
-            columns["crank_angle"], columns["constraint_gap"] = angle, _gap(pin, place, slope)
+            columns["crank_angle"] = stored[-1][:, 3]
         return columns, spent
-
-
-def _gap(pin: np.ndarray, place: np.ndarray, slope: np.ndarray, parts: int = 40) -> np.ndarray:
-    """Distance of the pin and the centre line, m: a cubic between two nodes."""
-    h = SCENE["length"] / (place.shape[1] - 1)
-    left, right = place[:, :-1, None], place[:, 1:, None]
-    along, on = h * slope[:, :-1, None], h * slope[:, 1:, None]
-    z = np.linspace(0.0, 1.0, parts, endpoint=False)
-    chord = right - left
-    bow = along * z * (1 - z) ** 2 - on * z**2 * (1 - z) + chord * z**2 * (3 - 2 * z)
-    line = (left + bow).reshape(len(pin), -1)
-    rise = along * (1 - z) * (1 - 3 * z) - on * z * (2 - 3 * z) + chord * 6 * z * (1 - z)
-    tangent = rise.reshape(len(pin), -1)
-    apart = (pin[:, None] - line) * np.abs(tangent) / tangent
-    nearest = np.argmin(np.abs(apart), axis=1)
-    return np.abs(apart[np.arange(len(pin)), nearest].imag)
-
-
-def _bent(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Deflection and slope at arc lengths x of a follower held at P and at the slider.
-
-    A force on the tip bends it, by 1 there.
-    """
-    inboard, outboard = np.minimum(x, REACH), np.maximum(x - REACH, 0.0)
-    over = SCENE["length"] - REACH
-    # w'' = over x / REACH up to the slider, length - x beyond it; w = 0 at P and at the slider
-    w = over / (6.0 * REACH) * inboard * (inboard**2 - REACH**2)
-    slope = over / (6.0 * REACH) * (3.0 * inboard**2 - REACH**2)
-    w += over * REACH / 3.0 * outboard + over * outboard**2 / 2.0 - outboard**3 / 6.0
-    slope += over * outboard - outboard**2 / 2.0
-    return w / w[-1], slope / w[-1]
 
 
 def simulate(machine: Machine, duration: float = 2.0) -> tuple[dict[str, np.ndarray], float]:
@@ -308,7 +233,7 @@ def pluck(machine: Machine, deflection: float = 1e-3, duration: float = 1.0) -> 
     """
     machine = replace(machine, tolerance=1e-6, adaptive=False)
     columns, _ = System(machine, held=True, deflection=deflection).solve(duration)
-    return ring(columns["tip_deflection"], machine.output)
+    return ring(columns["tip_deflection"], OUTPUT)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""As users build it: run 24 by the means of other programs, with their own joints, contacts and integrators."""
+"""As users build it: run 24 by the means of MuJoCo and Exudyn alone, with their own joints, contacts and integrators."""
 
 import json
 import subprocess
@@ -25,14 +25,14 @@ SCRIPTS: Final = Path(__file__).resolve().parents[2] / "examples" / "as_built"
 class Construction:
     """A construction beside the converged solution; no numbers where the program lost the motion."""
 
-    name: str  # unique among all programs
+    name: str  # unique
     program: str  # with its version
     end: float = 2.0  # of the motion, s; less than the 2 s asked if the program lost it
     error: float | None = None  # of the tip deflection, RMS of the difference over RMS
     peak: float | None = None  # largest tip deflection over the true one, less 1
     frequency: float | None = None  # of the first mode, with the crank held, over the true one, less 1
     damping: float | None = None  # its damping ratio
-    gap: float | None = None  # largest distance of the crank's pin and the centre line, m
+    gap: float | None = None  # largest distance of the crank's pin and the centre line, m; None with a joint, which leaves none
     seconds: float | None = None  # processor time of the solve
 
     @property
@@ -42,8 +42,8 @@ class Construction:
 
 
 def constructions(names: Sequence[str] = ()) -> list[Construction]:
-    """Those named, or all of the programs that are installed, computed in a process of its own."""
-    script = [sys.executable, str(SCRIPTS / "measure.py"), "--rows", *names]
+    """Those named, or all, computed in a process of its own."""
+    script = [sys.executable, str(SCRIPTS / "measure.py"), *names]
     with TemporaryDirectory() as folder:  # MuJoCo writes a log file into it
         done = subprocess.run(script, cwd=folder, capture_output=True, text=True, check=True)
     return [Construction(**json.loads(line)) for line in done.stdout.splitlines() if line.startswith("{")]
@@ -55,10 +55,8 @@ def built() -> list[Construction]:
 
 
 def rows(workshop: Workshop) -> dict[str, Sequence[Any]]:
-    """Rows that record them; those of programs that are not installed stay as they were, with the version of the program."""
-    found = constructions() if workshop.computes else []
-    programs = {row.program.split()[0] for row in found}
-    return {"as_built": found and found + [row for row in built() if row.program.split()[0] not in programs]}
+    """Rows that record them."""
+    return {"as_built": constructions() if workshop.computes else []}
 
 
 #: The run that they are of.
