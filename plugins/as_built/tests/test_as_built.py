@@ -68,7 +68,7 @@ def row_of(row: Construction) -> str:
     values = (100.0 * row.error, 1e3 * (row.gap or 0.0))
     error, gap = (f"{value:#.2g}".rstrip(".") if value < 99.5 else f"{value:.0f}" for value in values)
     numbers = f"{100.0 * row.peak:+.1f} % | {100.0 * row.frequency:+.2f} % | {row.damping:.4f}".replace("-0.00 %", "0.00 %")
-    return f"| {row.name} | {error} % | {numbers} |{f" {gap} |" if row.gap else ""} {row.seconds:.2g} |"
+    return f"| {row.name} | {error} % | {numbers} |{f' {gap} |' if row.gap else ''} {row.seconds:.2g} |"
 
 
 def test_the_tables_of_the_document_are_the_record() -> None:
