@@ -1,6 +1,5 @@
 """The constructions of `examples/as_built/`: the statements of docs/as-built.md, and its numbers."""
 
-import importlib
 import math
 import re
 import sys
