@@ -3,7 +3,7 @@
 import json
 import subprocess
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -15,7 +15,7 @@ from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.part import Part
 from quickreturn.reports.tables import Cell, Column, Mark, Table
-from quickreturn.reports.words import TIED, counted, duration, listed, number, percent, percents, size
+from quickreturn.reports.words import counted, duration, listed, percent
 
 #: The programs' scripts. They stand in the checkout alone, and so does the record that is made from them.
 SCRIPTS: Final = Path(__file__).resolve().parents[2] / "examples" / "as_built"
@@ -34,11 +34,6 @@ class Construction:
     damping: float | None = None  # its damping ratio
     gap: float | None = None  # largest distance of the crank's pin and the centre line, m; None with a joint, which leaves none
     seconds: float | None = None  # processor time of the solve
-
-    @property
-    def lost(self) -> bool:
-        """Whether the program lost the motion."""
-        return self.error is None
 
 
 def constructions(names: Sequence[str] = ()) -> list[Construction]:
@@ -74,11 +69,7 @@ def as_built(content: Content) -> Chapter | None:
     rows = content.of(recorded)
     if not rows:
         return None
-    facts = {
-        "of_record": about("as built"),
-        "sentences": [each for each in (narrow_words(rows), close_words(rows)) if each],
-        "table": table_of(rows),
-    }
+    facts = {"of_record": about("as built"), "table": table_of(rows)}
     return Chapter("as_built", "As users build it", finding(rows), facts)
 
 
@@ -90,46 +81,18 @@ def recorded(content: Content) -> Sequence[Construction]:
 def finding(rows: Sequence[Construction]) -> str:
     """How many constructions are right, lost, or wrong with a good frequency or a small gap."""
     right = [row for row in rows if row.error is not None and row.error <= RIGHT]
-    lost, seeming = [row for row in rows if row.lost], [row for row in rows if _wrong(row) and (_narrow(row) or _close(row))]
+    lost, seeming = [row for row in rows if row.error is None], [row for row in rows if _seems_right(row)]
     programs = listed(list(dict.fromkeys(row.program.split()[0] for row in rows)))
     of = f"{len(right)} of {counted(len(rows), 'construction')} with the means of {programs} {'is' if len(right) == 1 else 'are'}"
     others = [f"{len(lost)} lost the motion"] * bool(lost) + [f"{len(seeming)} only looked right"] * bool(seeming)
     return f"{of} within {percent(RIGHT, 'g')} in run 24{'; ' if others else ''}{' and '.join(others)}"
 
 
-def narrow_words(rows: Sequence[Construction]) -> str:
-    """How far off constructions are whose gap is small."""
-    return _seeming(rows, _narrow, f"A gap below {number(1e3 * NARROW, 'g')}{TIED}mm")
-
-
-def close_words(rows: Sequence[Construction]) -> str:
-    """How far off constructions are whose frequency is right."""
-    return _seeming(rows, _close, f"A first frequency that is right to {percent(CLOSE, 'g')}")
-
-
-def _wrong(row: Construction) -> bool:
-    return row.error is not None and row.error > WRONG
-
-
-def _narrow(row: Construction) -> bool:
-    return row.gap is not None and row.gap < NARROW
-
-
-def _close(row: Construction) -> bool:
-    return row.frequency is not None and abs(row.frequency) < CLOSE
-
-
-def _seeming(rows: Sequence[Construction], looks_right: Callable[[Construction], bool], sign: str) -> str:
-    """How many constructions look right by a sign, and are wrong; "" if there are none."""
-    found = [row for row in rows if _wrong(row) and looks_right(row)]
-    errors = {row.name: row.error for row in found if row.error is not None}
-    if not errors:
-        return ""
-    worst = max(errors, key=lambda name: errors[name])
-    low, high = min(errors.values()), max(errors.values())
-    off = size(high) if len(errors) == 1 else percents(low, high, ".0f")
-    with_it = f"{counted(len(errors), 'construction')} with it {'is' if len(errors) == 1 else 'are'}"
-    return f"{sign} proves nothing: {with_it} {off} off (worst: {worst})."
+def _seems_right(row: Construction) -> bool:
+    """Whether a wrong construction has a small gap or the right frequency."""
+    if row.error is None or row.error <= WRONG:
+        return False
+    return (row.gap is not None and row.gap < NARROW) or (row.frequency is not None and abs(row.frequency) < CLOSE)
 
 
 def table_of(rows: Sequence[Construction]) -> Table:

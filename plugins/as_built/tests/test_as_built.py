@@ -84,6 +84,6 @@ def test_the_record_comes_out_again(measure: Any) -> None:
     known = {row.name: row for row in built() if (row.seconds or 0.0) < 5.0}
     for name in known:
         found = measure.measured(name, deflection, frequency)
-        assert (found.error is None) == known[name].lost
+        assert (found.error is None) == (known[name].error is None)
         if found.error is not None:
             assert abs(math.log(found.error / known[name].error)) < (math.log(2.0) if known[name].error > 1.0 else 0.2), name

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from quickreturn.plugins.as_built import chapter as chapter
-from quickreturn.plugins.as_built.chapter import Construction, built, close_words, finding, narrow_words
+from quickreturn.plugins.as_built.chapter import Construction, built, finding
 from tests.reports import pages
 from tests.reports.pages import plain
 
@@ -21,12 +21,6 @@ def test_the_heading_counts_what_is_right_lost_and_only_looks_right() -> None:
     told = plain(finding(ROWS))
     assert all(each in told for each in ("2 of 5", "MuJoCo and Exudyn", "1 lost", "2 only looked right"))
     assert "lost" not in plain(finding([GOOD]))
-
-
-def test_a_small_gap_and_a_right_frequency_are_told_apart() -> None:
-    assert all(each in plain(narrow_words(ROWS)) for each in ("1 construction ", "106 %", "worst: slot, contact 2 steps, default friction"))
-    assert all(each in plain(close_words(ROWS)) for each in ("2 constructions ", "14 to 106 %"))
-    assert narrow_words([GOOD]) == close_words([replace(RUBBED, frequency=-0.1)]) == ""
 
 
 def test_the_chapter_shows_every_construction_and_marks_what_was_lost() -> None:
