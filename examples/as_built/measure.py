@@ -45,10 +45,12 @@ def measured(name: str, deflection: np.ndarray, true_frequency: float) -> Constr
     true = deflection[np.round(1e3 * columns["time"]).astype(int)]
     error = math.sqrt(np.mean((columns["tip_deflection"] - true) ** 2) / np.mean(true**2))
     peak = float(np.abs(columns["tip_deflection"]).max() / np.abs(true).max()) - 1.0
-    frequency, damping = program.pluck(machine)
-    numbers = (error, peak, frequency / true_frequency - 1.0, damping)
-    gap = float(columns["constraint_gap"].max()) if "constraint_gap" in columns else None
-    short = (None if each is None else float(f"{each:.3g}") for each in (*numbers, gap, seconds))
+    frequency = damping = gap = None
+    if program is mujoco_machines:
+        frequency, damping = program.pluck(machine)
+        frequency, gap = frequency / true_frequency - 1.0, float(columns["constraint_gap"].max())
+    numbers = (error, peak, frequency, damping, gap, seconds)
+    short = (None if each is None else float(f"{each:.3g}") for each in numbers)
     return Construction(name, program.PROGRAM, end, *short)
 
 

@@ -15,7 +15,7 @@ from typing import Final
 import mujoco
 import numpy as np
 
-from run_24 import REACH, SCENE, TURNING, bent, ring, write_table
+from run_24 import REACH, SCENE, TURNING, write_table
 
 RADIUS: Final = 0.005  # of the pin, m
 
@@ -141,11 +141,41 @@ def simulate(machine: Machine, duration: float = 2.0) -> tuple[dict[str, np.ndar
     return dict(zip(names, np.array(rows).T, strict=True)), spent
 
 
+def bent(x: np.ndarray) -> np.ndarray:
+    """Deflection at arc lengths x of a follower held at P and at the slider.
+
+    A force on the tip bends it, by 1 there.
+    """
+    inboard, outboard = np.minimum(x, REACH), np.maximum(x - REACH, 0.0)
+    over = SCENE["length"] - REACH
+    # w'' = over x / REACH up to the slider, length - x beyond it; w = 0 at P and at the slider
+    w = over / (6.0 * REACH) * inboard * (inboard**2 - REACH**2)
+    w += over * REACH / 3.0 * outboard + over * outboard**2 / 2.0 - outboard**3 / 6.0
+    return w / w[-1]
+
+
+def ring(signal: np.ndarray, step: float) -> tuple[float, float]:
+    """Frequency (Hz) and damping ratio of the spectrum's largest peak.
+
+    Phase and size of the signal about that peak, smoothed by a window, turn and fall with them.
+    """
+    window, times = np.hanning(len(signal) // 4), step * np.arange(len(signal))
+    signal = signal - signal.mean()
+    spectrum = np.abs(np.fft.rfft(signal * np.hanning(len(signal))))
+    near = np.fft.rfftfreq(len(signal), step)[np.argmax(spectrum)]
+    slow = np.convolve(signal * np.exp(-2j * np.pi * near * times), window, "valid")
+    middle = times[: len(slow)]
+    turning = np.polyfit(middle, np.unwrap(np.angle(slow)), 1)[0]
+    rate = -np.polyfit(middle, np.log(np.abs(slow)), 1)[0]
+    frequency = near + float(turning) / (2.0 * math.pi)
+    return frequency, float(rate) / (2.0 * math.pi * frequency)
+
+
 def pluck(machine: Machine, deflection: float = 1e-3, duration: float = 1.0) -> tuple[float, float]:
     """Frequency (Hz) and damping ratio of the first mode, with the crank held at 180 deg."""
     model = mujoco.MjModel.from_xml_string(xml(machine, held=True))
     data, corners = mujoco.MjData(model), np.linspace(0.0, SCENE["length"], machine.links + 1)
-    w, _ = bent(corners)
+    w = bent(corners)
     w -= np.interp(REACH, corners, w) / REACH * corners  # the pin is on a link, not on the beam
     data.qpos[:] = np.diff(math.pi + deflection * np.diff(w) / corners[1], prepend=0.0)
     signal, steps = [], max(1, round(1e-3 / machine.step))

@@ -1,7 +1,6 @@
 """Run 24 in SI units, and what the constructions of both programs share."""
 
 import csv
-import math
 import sys
 from collections.abc import Callable, Mapping
 from typing import Any, Final
@@ -33,38 +32,6 @@ SCENE: Final = {
 REACH: Final = SCENE["pivot_distance"] + SCENE["crank_length"]
 #: Angular speed of the follower at the start, rad/s.
 TURNING: Final = SCENE["crank_speed"] * SCENE["crank_length"] / REACH
-
-
-def bent(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Deflection and slope at arc lengths x of a follower held at P and at the slider.
-
-    A force on the tip bends it, by 1 there.
-    """
-    inboard, outboard = np.minimum(x, REACH), np.maximum(x - REACH, 0.0)
-    over = SCENE["length"] - REACH
-    # w'' = over x / REACH up to the slider, length - x beyond it; w = 0 at P and at the slider
-    w = over / (6.0 * REACH) * inboard * (inboard**2 - REACH**2)
-    slope = over / (6.0 * REACH) * (3.0 * inboard**2 - REACH**2)
-    w += over * REACH / 3.0 * outboard + over * outboard**2 / 2.0 - outboard**3 / 6.0
-    slope += over * outboard - outboard**2 / 2.0
-    return w / w[-1], slope / w[-1]
-
-
-def ring(signal: np.ndarray, step: float) -> tuple[float, float]:
-    """Frequency (Hz) and damping ratio of the spectrum's largest peak.
-
-    Phase and size of the signal about that peak, smoothed by a window, turn and fall with them.
-    """
-    window, times = np.hanning(len(signal) // 4), step * np.arange(len(signal))
-    signal = signal - signal.mean()
-    spectrum = np.abs(np.fft.rfft(signal * np.hanning(len(signal))))
-    near = np.fft.rfftfreq(len(signal), step)[np.argmax(spectrum)]
-    slow = np.convolve(signal * np.exp(-2j * np.pi * near * times), window, "valid")
-    middle = times[: len(slow)]
-    turning = np.polyfit(middle, np.unwrap(np.angle(slow)), 1)[0]
-    rate = -np.polyfit(middle, np.log(np.abs(slow)), 1)[0]
-    frequency = near + float(turning) / (2.0 * math.pi)
-    return frequency, float(rate) / (2.0 * math.pi * frequency)
 
 
 def write_table(machines: Mapping[str, Any], simulate: Callable[[Any], Any]) -> None:

@@ -30,9 +30,9 @@ class Construction:
     end: float = 2.0  # of the motion, s; less than the 2 s asked if the program lost it
     error: float | None = None  # of the tip deflection, RMS of the difference over RMS
     peak: float | None = None  # largest tip deflection over the true one, less 1
-    frequency: float | None = None  # of the first mode, with the crank held, over the true one, less 1
+    frequency: float | None = None  # of a chain's first mode, with the crank held, over the true one, less 1
     damping: float | None = None  # its damping ratio
-    gap: float | None = None  # largest distance of the crank's pin and the centre line, m; None with a joint, which leaves none
+    gap: float | None = None  # largest distance of the crank's pin and the centre line, m; None with Exudyn's joint
     seconds: float | None = None  # processor time of the solve
 
 
@@ -100,7 +100,7 @@ def table_of(rows: Sequence[Construction]) -> Table:
     made = Table(
         "as_built",
         """Run 24, damped by its material, for 2 s. Deflection: RMS of the difference from the true one over its RMS. Peak and first
-        frequency (crank held at 180°): relative to the true ones. Damping ratio: of a pluck. Gap: of the crank’s pin from the centre line.
+        frequency (crank held at 180°): relative to the true ones. Damping ratio: of a pluck. Gap: of the crank’s pin from a chain’s links.
         Solve: processor time, on a machine that did other work besides, so that only ratios count.""",
         (
             *("program", "name"),

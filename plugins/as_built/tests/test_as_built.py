@@ -62,12 +62,17 @@ def test_exudyns_sliding_joint_converges_with_its_step(measure: Any) -> None:
 
 def row_of(row: Construction) -> str:
     """A recorded construction as a row of the document's table."""
-    if row.error is None or row.peak is None or row.frequency is None or row.seconds is None:
+    if row.error is None or row.peak is None or row.seconds is None:
         return f"| {row.name} | lost after {1e3 * row.end:.0f} ms | | | | | |"
-    values = (100.0 * row.error, 1e3 * (row.gap or 0.0))
-    error, gap = (f"{value:#.2g}".rstrip(".") if value < 99.5 else f"{value:.0f}" for value in values)
-    numbers = f"{100.0 * row.peak:+.1f} % | {100.0 * row.frequency:+.2f} % | {row.damping:.4f}".replace("-0.00 %", "0.00 %")
-    return f"| {row.name} | {error} % | {numbers} |{f' {gap} |' if row.gap else ''} {row.seconds:.2g} |"
+    cells = [row.name, f"{short(100.0 * row.error)} %", f"{100.0 * row.peak:+.1f} %"]
+    if row.frequency is not None and row.gap is not None:
+        cells += [f"{100.0 * row.frequency:+.2f} %".replace("-0.00", "0.00"), f"{row.damping:.4f}", short(1e3 * row.gap)]
+    return f"| {' | '.join(cells)} | {row.seconds:.2g} |"
+
+
+def short(value: float) -> str:
+    """Two digits, or the whole number."""
+    return f"{value:#.2g}".rstrip(".") if value < 99.5 else f"{value:.0f}"
 
 
 def test_the_tables_of_the_document_are_the_record() -> None:
