@@ -12,11 +12,8 @@ from typing import Any
 import ziamath
 from docutils import nodes
 from latex2mathml.converter import convert
-from sphinx.addnodes import pending_xref
 from sphinx.application import Sphinx
-from sphinx.environment import BuildEnvironment
 from sphinx.util.fileutil import copy_asset_file
-from sphinx.util.nodes import make_refnode
 from sphinx.writers.html5 import HTML5Translator
 
 #: Long forms of types in signatures -> how numpy's own documentation writes them.
@@ -38,18 +35,6 @@ def shorten(app: Sphinx, what: str, name: str, value: object, options: object, s
     for long, short in SHORT:
         signature, returned = (text and long.sub(short, text) for text in (signature, returned))
     return signature, returned
-
-
-def resolve(app: Sphinx, env: BuildEnvironment, node: pending_xref, shown: nodes.Element) -> nodes.Element | None:
-    """A class named alone, as annotations of names that are imported for the type checker are; None: the name is unknown or of several."""
-    if node.get("refdomain") != "py":
-        return None
-    ending = "." + node["reftarget"].rpartition(".")[2]
-    places = {(each.docname, each.node_id) for name, each in env.domains.python_domain.objects.items() if name.endswith(ending)}
-    if len(places) != 1:
-        return None
-    ((page, anchor),) = places
-    return make_refnode(app.builder, node["refdoc"], page, anchor, shown)
 
 
 #: STIX Two Math, which comes with ziamath (SIL Open Font License): many machines have no font for formulas.
@@ -103,7 +88,6 @@ def setup(app: Sphinx) -> dict[str, bool]:
     """Register the extension."""
     app.connect("autodoc-process-docstring", keep_colons, priority=400)  # napoleon: 500
     app.connect("autodoc-process-signature", shorten)
-    app.connect("missing-reference", resolve)
     app.add_html_math_renderer("mathml", (inline, None), (displayed, None))
     app.config.html_math_renderer = "mathml"
     app.connect("build-finished", lambda app, error: None if error else copy_font(app))

@@ -3,9 +3,8 @@
     python mujoco_machines.py            # the names
     python mujoco_machines.py NAME FILE  # 2 s of that construction as a CSV table
 
-The follower is a chain of equal links on hinges of stiffness EI/h, damped by its material. A
-construction says how the crank's pin rides along it, with which parameters of the contact, and how
-MuJoCo integrates.
+The follower is a chain of equal links on hinges of stiffness EI/h, damped by its material. The
+crank's pin runs in a slot between two walls.
 """
 
 import math
@@ -16,205 +15,173 @@ from typing import Final
 import mujoco
 import numpy as np
 
-from run_24 import (
-    COLUMNS,
-    RADIUS,
-    REACH,
-    SCENE,
-    aside,
-    bent_chain,
-    chain_row,
-    ring,
-    write_table,
-)
+from run_24 import REACH, SCENE, TURNING, write_table
+
+RADIUS: Final = 0.005  # of the pin, m
 
 
 @dataclass(frozen=True)
 class Machine:
-    """A construction.
+    """A construction."""
 
-    `joint`: "slot", a pin between two walls; "rollers", two spheres about the arm; "carriage", a
-    slide joint on the middle link, tied to the pin.
-    """
-
-    joint: str = "slot"
     links: int = 13
     step: float = 1e-4  # s
     solref: float | None = None  # time constant of the contact, s; None: MuJoCo's default, 0.02
-    friction: float | None = 0.0  # of the contact; None: MuJoCo's default, 1
+    rubs: bool = False  # whether the pin rubs, with MuJoCo's default friction, 1
     integrator: str = "implicitfast"
     armature: float = 0.0  # kg m^2
     stiffness: float = 1.0  # of a hinge, over EI/h
-    output: float = 1e-3  # s, of the table
 
 
 STIFF: Final = Machine(solref=2e-4)
 MACHINES: Final = {
-    "slot, all defaults, 2 ms": Machine(step=2e-3, friction=None, integrator="Euler", output=2e-3),
-    "slot, all defaults, 0.5 ms": Machine(step=5e-4, friction=None, integrator="Euler"),
+    "slot, all defaults, 2 ms": Machine(step=2e-3, rubs=True, integrator="Euler"),
     "slot, default contact, 0.1 ms": Machine(),
     "slot, contact 5 ms": replace(STIFF, solref=5e-3),
-    "slot, contact 1 ms": replace(STIFF, solref=1e-3),
     "slot, contact 2 steps": STIFF,
     "slot, contact 2 steps, 26 links, 0.025 ms": replace(STIFF, links=26, step=2.5e-5, solref=5e-5),
     "slot, contact 2 steps, armature, 0.25 ms": replace(
         STIFF, step=2.5e-4, solref=5e-4, armature=1e-5
     ),
-    "slot, contact 2 steps, default friction": replace(STIFF, friction=None),
+    "slot, contact 2 steps, default friction": replace(STIFF, rubs=True),
     "slot, contact 2 steps, hinges 3 EI/h": replace(STIFF, stiffness=3.0),
     "slot, contact 2 steps, discrete, 0.5 ms": replace(
         STIFF, integrator="discrete", step=5e-4, solref=1e-3
     ),
-    "slot, contact 2 steps, discrete, 0.1 ms": replace(STIFF, integrator="discrete"),
-    "rollers, contact 2 steps": replace(STIFF, joint="rollers"),
-    "slide on the middle link and connect": replace(STIFF, joint="carriage"),
 }
 PROGRAM: Final = f"MuJoCo {mujoco.__version__}"
 
 
 def xml(machine: Machine, held: bool = False) -> str:
     """The model. With the crank `held` it has no coordinate of its own."""
-    s, n, option = SCENE, machine.links, f'integrator="{machine.integrator}" jacobian="dense"'
-    contact = _contact(machine)
-    follower = ""
-    for k in reversed(range(n)):
-        place = s["length"] / n if k else s["pivot_distance"]
-        parts = _link(machine, k) + _guide(machine, k, contact)
-        follower = f'<body name="link{k}" pos="{place} 0 0">{parts}{follower}</body>'
-    crank = _inertial(s["crank_mass"], s["crank_inertia"], s["crank_center"])
+    s, h = SCENE, SCENE["length"] / machine.links
+    contact = "" if machine.solref is None else f'solref="{machine.solref} 1"'
+    contact += "" if machine.rubs else ' condim="1"'
+    size = f"{h / 2} {RADIUS / 2} {s['width'] / 2}"
+    walls = "".join(
+        f'<geom type="box" size="{size}" pos="{h / 2} {side * 1.5 * RADIUS} 0"'
+        f' contype="1" conaffinity="2" {contact}/>'
+        for side in (1, -1)
+    )
+    follower = _inertial("tip", h, s["tip_mass"], s["tip_inertia"]) + "</body>"
+    mass = s["mass_per_length"] * h
+    for k in reversed(range(machine.links)):
+        place = h if k else s["pivot_distance"]
+        link = _inertial(f"link{k}", place, mass, mass * h**2 / 12.0, h / 2.0)
+        follower = f"{link}{_hinge(machine, k)}{walls}{follower}</body>"
+    crank = _inertial("crank", 0.0, s["crank_mass"], s["crank_inertia"], s["crank_center"], held)
     if not held:
-        crank += f'<joint name="crank" axis="0 0 1" damping="{s["crank_damping"]}"/>'
-    turned = 'quat="0 0 0 1"' if held else ""
-    tied = ""
-    if machine.joint == "carriage":
-        ends = 'body1="carriage" body2="crank" anchor="0 0 0"'
-        tied = f'<equality><connect {ends} solref="{2 * machine.step} 1"/></equality>'
+        crank += f'<joint axis="0 0 1" damping="{s["crank_damping"]}"/>'
+    pin = f'type="sphere" size="{RADIUS}" mass="0" pos="{s["crank_length"]} 0 0"'
     return f"""<mujoco>
   <compiler angle="radian"/>
-  <option timestep="{machine.step}" gravity="0 0 0" {option}/>
+  <option timestep="{machine.step}" gravity="0 0 0" integrator="{machine.integrator}"
+          jacobian="dense"/>
   <worldbody>
-    <body name="crank" {turned}>{crank}{_pin(machine, contact)}</body>
+    {crank}<geom {pin} contype="2" conaffinity="1" {contact}/></body>
     {follower}
   </worldbody>
-  {tied}
 </mujoco>"""
 
 
-def _contact(machine: Machine) -> str:
-    """Attributes of the geometries that touch."""
-    contact = "" if machine.solref is None else f' solref="{machine.solref} 1"'
-    if machine.friction is None:
-        return contact
-    rubs = f'condim="3" friction="{machine.friction} 0 0"' if machine.friction else 'condim="1"'
-    return f"{contact} {rubs}"
+def _inertial(
+    name: str, place: float, mass: float, inertia: float, center: float = 0.0, turned: bool = False
+) -> str:
+    """The head of a body."""
+    about = f'diaginertia="{inertia} {inertia} {inertia}"'
+    turn = 'quat="0 0 0 1"' if turned else ""
+    return (
+        f'<body name="{name}" pos="{place} 0 0" {turn}>'
+        f'<inertial pos="{center} 0 0" mass="{mass}" {about}/>'
+    )
 
 
-def _inertial(mass: float, inertia: float, place: float = 0.0) -> str:
-    turning = f"{inertia} {inertia} {inertia}"
-    return f'<inertial pos="{place} 0 0" mass="{mass}" diaginertia="{turning}"/>'
-
-
-def _link(machine: Machine, k: int) -> str:
-    """Mass and hinge of a link; the last one has the tip body."""
-    s, h = SCENE, SCENE["length"] / machine.links
-    mass = s["mass_per_length"] * h
-    spring = machine.stiffness * s["bending_stiffness"] / h
-    values = {"damping": s["base_damping"], "armature": s["base_inertia"]}
-    if k > 0:
-        damping = spring * s["material_damping"]
-        values = {"stiffness": spring, "damping": damping, "armature": machine.armature}
-    attributes = " ".join(f'{name}="{value}"' for name, value in values.items())
-    parts = _inertial(mass, mass * h**2 / 12.0, h / 2.0)
-    parts += f'<joint name="link{k}" axis="0 0 1" {attributes}/>'
-    if k == machine.links - 1:
-        tip = _inertial(s["tip_mass"], s["tip_inertia"])
-        parts += f'<body name="tip" pos="{h} 0 0">{tip}</body>'
-    return parts
-
-
-def _guide(machine: Machine, k: int, contact: str) -> str:
-    """What the pin, or the rollers, ride on."""
-    s, h = SCENE, SCENE["length"] / machine.links
-    touches = f'contype="1" conaffinity="2"{contact}'
-    if machine.joint == "slot":
-        size = f"{h / 2} {RADIUS / 2} {s['width'] / 2}"
-        places = [f"{h / 2} {side * 1.5 * RADIUS} 0" for side in (1, -1)]
-        return "".join(f'<geom type="box" size="{size}" pos="{at}" {touches}/>' for at in places)
-    if machine.joint == "rollers":
-        size = f"{h / 2} {s['thickness'] / 2} {s['width'] / 2}"
-        return f'<geom type="box" size="{size}" pos="{h / 2} 0 0" {touches}/>'
-    if k == machine.links // 2:
-        slide = '<joint name="slide" type="slide" axis="1 0 0"/>'
-        return f'<body name="carriage">{_inertial(1e-3, 1e-8)}{slide}</body>'
-    return ""
-
-
-def _pin(machine: Machine, contact: str) -> str:
-    """What rides along the follower, on the crank's end."""
+def _hinge(machine: Machine, k: int) -> str:
+    """Hinge of link k; that of the first one is the base, with the base's inertia and damping."""
     s = SCENE
-    sphere = f'type="sphere" size="{RADIUS}" mass="0" contype="2" conaffinity="1"{contact}'
-    if machine.joint == "slot":
-        return f'<geom {sphere} pos="{s["crank_length"]} 0 0"/>'
-    if machine.joint == "rollers":
-        y = s["thickness"] / 2 + RADIUS
-        spheres = "".join(f'<geom {sphere} pos="0 {side * y} 0"/>' for side in (1, -1))
-        hinge = '<joint name="slider" axis="0 0 1"/>'
-        parts = f"{_inertial(1e-3, 1e-8)}{hinge}{spheres}"
-        return f'<body pos="{s["crank_length"]} 0 0">{parts}</body>'
-    return ""
+    if k == 0:
+        return f'<joint axis="0 0 1" damping="{s["base_damping"]}" armature="{s["base_inertia"]}"/>'
+    spring = machine.stiffness * s["bending_stiffness"] * machine.links / s["length"]
+    damping = f'damping="{spring * s["material_damping"]}"'
+    return f'<joint axis="0 0 1" stiffness="{spring}" {damping} armature="{machine.armature}"/>'
 
 
-def simulate(
-    machine: Machine, duration: float = 2.0, directions: list[np.ndarray] | None = None
-) -> tuple[dict[str, np.ndarray], float]:
+def row(q1: float, angles: np.ndarray) -> tuple[float, float, float]:
+    """Crank angle, tip deflection and gap, from the hinges' angles."""
+    h = SCENE["length"] / len(angles)
+    e = np.exp(1j * np.cumsum(angles))
+    corners = np.concatenate([[0.0], np.cumsum(h * e)])
+    pin = SCENE["crank_length"] * np.exp(1j * q1) - SCENE["pivot_distance"]
+    local = (pin - corners[:-1]) / e
+    nearest = local[np.argmin(np.abs(local.real - h / 2.0))]
+    return q1, (corners[-1] / e[0]).imag, abs(nearest.imag)
+
+
+def simulate(machine: Machine, duration: float = 2.0) -> tuple[dict[str, np.ndarray], float]:
     """Columns of a table, and the processor time of the solve, s.
 
-    The table is shorter if MuJoCo lost the motion and began anew. The links' directions (rad) in
-    each row are appended to `directions`.
+    The table is shorter if MuJoCo lost the motion and began anew.
     """
     model = mujoco.MjModel.from_xml_string(xml(machine))
     data = mujoco.MjData(model)
-    s, n = SCENE, machine.links
-    where = {mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_JOINT, k): k for k in range(model.njnt)}
-    crank, first = where["crank"], where["link0"]
-    hinges = [where[f"link{k}"] for k in range(n)]
     # the standard start: crank at 180 deg, follower straight, as the rigid mechanism moves
-    data.qpos[crank], data.qvel[crank] = math.pi, s["crank_speed"]
-    data.qpos[first], data.qvel[first] = math.pi, s["crank_speed"] * s["crank_length"] / REACH
-    if "slider" in where:
-        data.qvel[where["slider"]] = data.qvel[first] - data.qvel[crank]
-    if "slide" in where:
-        data.qpos[where["slide"]] = REACH - (n // 2) * s["length"] / n
-    data.qfrc_applied[crank] = s["torque"]
-    rows, steps, spent = [], round(machine.output / machine.step), 0.0
-    for k in range(round(duration / machine.output) + 1):
+    data.qpos[:2], data.qvel[:2] = math.pi, (SCENE["crank_speed"], TURNING)
+    data.qfrc_applied[0] = SCENE["torque"]
+    output = max(1e-3, machine.step)
+    rows, steps, spent = [], round(output / machine.step), 0.0
+    for k in range(round(duration / output) + 1):
         if k:
             began = time.process_time()
             mujoco.mj_step(model, data, steps)
             spent += time.process_time() - began
-        if (
-            data.time < (k - 0.5) * machine.output
-        ):  # after a bad acceleration MuJoCo begins anew, with a warning in a log file
-            break
-        rows.append((k * machine.output, *chain_row(data.qpos[crank], data.qpos[hinges])))
-        if directions is not None:
-            directions.append(np.cumsum(data.qpos[hinges]))
-    return dict(zip(COLUMNS, np.array(rows).T, strict=True)), spent
+        if data.time < (k - 0.5) * output:
+            break  # after a bad acceleration MuJoCo begins anew, with a warning in a log file
+        rows.append((k * output, *row(data.qpos[0], data.qpos[1:])))
+    names = ("time", "crank_angle", "tip_deflection", "constraint_gap")
+    return dict(zip(names, np.array(rows).T, strict=True)), spent
+
+
+def bent(x: np.ndarray) -> np.ndarray:
+    """Deflection at arc lengths x of a follower held at P and at the slider.
+
+    A force on the tip bends it, by 1 there.
+    """
+    inboard, outboard = np.minimum(x, REACH), np.maximum(x - REACH, 0.0)
+    over = SCENE["length"] - REACH
+    # w'' = over x / REACH up to the slider, length - x beyond it; w = 0 at P and at the slider
+    w = over / (6.0 * REACH) * inboard * (inboard**2 - REACH**2)
+    w += over * REACH / 3.0 * outboard + over * outboard**2 / 2.0 - outboard**3 / 6.0
+    return w / w[-1]
+
+
+def ring(signal: np.ndarray, step: float) -> tuple[float, float]:
+    """Frequency (Hz) and damping ratio of the spectrum's largest peak.
+
+    Phase and size of the signal about that peak, smoothed by a window, turn and fall with them.
+    """
+    window, times = np.hanning(len(signal) // 4), step * np.arange(len(signal))
+    signal = signal - signal.mean()
+    spectrum = np.abs(np.fft.rfft(signal * np.hanning(len(signal))))
+    near = np.fft.rfftfreq(len(signal), step)[np.argmax(spectrum)]
+    slow = np.convolve(signal * np.exp(-2j * np.pi * near * times), window, "valid")
+    middle = times[: len(slow)]
+    turning = np.polyfit(middle, np.unwrap(np.angle(slow)), 1)[0]
+    rate = -np.polyfit(middle, np.log(np.abs(slow)), 1)[0]
+    frequency = near + float(turning) / (2.0 * math.pi)
+    return frequency, float(rate) / (2.0 * math.pi * frequency)
 
 
 def pluck(machine: Machine, deflection: float = 1e-3, duration: float = 1.0) -> tuple[float, float]:
     """Frequency (Hz) and damping ratio of the first mode, with the crank held at 180 deg."""
     model = mujoco.MjModel.from_xml_string(xml(machine, held=True))
-    data, n = mujoco.MjData(model), machine.links
-    hinges = [mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, f"link{k}") for k in range(n)]
-    data.qpos[hinges] = bent_chain(n, deflection)
-    slide = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, "slide")
-    if slide >= 0:
-        data.qpos[slide] = REACH - (n // 2) * SCENE["length"] / n
+    data, corners = mujoco.MjData(model), np.linspace(0.0, SCENE["length"], machine.links + 1)
+    w = bent(corners)
+    w -= np.interp(REACH, corners, w) / REACH * corners  # the pin is on a link, not on the beam
+    data.qpos[:] = np.diff(math.pi + deflection * np.diff(w) / corners[1], prepend=0.0)
     signal, steps = [], max(1, round(1e-3 / machine.step))
     for _ in range(round(duration / (steps * machine.step))):
         mujoco.mj_step(model, data, steps)
-        signal.append(aside(data.qpos[hinges]))
+        signal.append(row(math.pi, data.qpos)[1])
     return ring(np.array(signal), steps * machine.step)
 
 

@@ -1,7 +1,6 @@
-"""Run 24 in SI units, and what the constructions of all programs share."""
+"""Run 24 in SI units, and what the constructions of both programs share."""
 
 import csv
-import math
 import sys
 from collections.abc import Callable, Mapping
 from typing import Any, Final
@@ -29,64 +28,10 @@ SCENE: Final = {
     "tip_mass": 0.0507867822,
     "tip_inertia": 2.21450265e-06,
 }
-#: Radius of a roller or pin, m.
-RADIUS: Final = 0.005
 #: From P to the crank's pin at the start, m.
 REACH: Final = SCENE["pivot_distance"] + SCENE["crank_length"]
-#: Of a table.
-COLUMNS: Final = ("time", "crank_angle", "tip_deflection", "constraint_gap")
-
-
-def chain_row(q1: float, angles: np.ndarray) -> tuple[float, float, float]:
-    """Crank angle, tip deflection and gap of a chain of equal links, from the hinges' angles."""
-    h = SCENE["length"] / len(angles)
-    e = np.exp(1j * np.cumsum(angles))
-    corners = np.concatenate([[0.0], np.cumsum(h * e)])
-    pin = SCENE["crank_length"] * np.exp(1j * q1) - SCENE["pivot_distance"]
-    local = (pin - corners[:-1]) / e
-    nearest = local[np.argmin(np.abs(local.real - h / 2.0))]
-    return q1, (corners[-1] / e[0]).imag, abs(nearest.imag)
-
-
-def aside(angles: np.ndarray) -> float:
-    """Distance of a chain's tip from the line through O and P, m."""
-    return -SCENE["length"] / len(angles) * float(np.sin(np.cumsum(angles)).sum())
-
-
-def bent_chain(n: int, deflection: float) -> np.ndarray:
-    """Angles of the hinges, with the crank at 180 deg and a force on the tip that moves it."""
-    h, angles = SCENE["length"] / n, np.full(n, math.pi)
-    places = h * np.arange(1, n)
-    # the moment falls from the slider to the tip, and to the pivot
-    inboard = places / REACH * (SCENE["length"] - REACH)
-    bend = np.where(places < REACH, inboard, SCENE["length"] - places)
-    # of the corners, from the first link's line
-    shape = h * np.concatenate([[0.0, 0.0], np.cumsum(np.cumsum(bend))])
-    at_pin = np.interp(REACH, h * np.arange(n + 1), shape)
-    size = deflection / (shape[-1] - at_pin * SCENE["length"] / REACH)
-    angles[0] -= size * at_pin / REACH
-    angles[1:] = size * bend
-    return angles
-
-
-def ring(signal: np.ndarray, step: float) -> tuple[float, float]:
-    """Frequency (Hz) and damping ratio of the spectrum's largest peak.
-
-    Phase and size of the signal about that peak, smoothed by a window, turn and fall with them.
-    """
-    window, times = np.hanning(len(signal) // 4), step * np.arange(len(signal))
-    if not np.isfinite(signal).all():
-        return math.nan, math.nan
-    spectrum = np.abs(np.fft.rfft((signal - signal.mean()) * np.hanning(len(signal))))
-    near = np.fft.rfftfreq(len(signal), step)[np.argmax(spectrum)]
-    slow = np.convolve(
-        (signal - signal.mean()) * np.exp(-2j * np.pi * near * times), window, "valid"
-    )
-    middle = times[: len(slow)]
-    turning = np.polyfit(middle, np.unwrap(np.angle(slow)), 1)[0]
-    rate = -np.polyfit(middle, np.log(np.abs(slow)), 1)[0]
-    frequency = near + float(turning) / (2.0 * math.pi)
-    return frequency, float(rate) / (2.0 * math.pi * frequency)
+#: Angular speed of the follower at the start, rad/s.
+TURNING: Final = SCENE["crank_speed"] * SCENE["crank_length"] / REACH
 
 
 def write_table(machines: Mapping[str, Any], simulate: Callable[[Any], Any]) -> None:

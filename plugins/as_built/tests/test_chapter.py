@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from quickreturn.plugins.as_built import chapter as chapter
-from quickreturn.plugins.as_built.chapter import Construction, built, close_words, finding, narrow_words
+from quickreturn.plugins.as_built.chapter import Construction, built, finding
 from tests.reports import pages
 from tests.reports.pages import plain
 
@@ -13,20 +13,14 @@ GOOD = Construction("slot, contact 2 steps", "MuJoCo 4.0", 2.0, 0.033, -0.016, -
 FINE = replace(GOOD, name="slot, contact 2 steps, 26 links, 0.025 ms", error=0.0085, gap=2e-6, seconds=1.7)
 RUBBED = replace(GOOD, name="slot, contact 2 steps, default friction", error=1.06, gap=8e-5)
 DAMPED = replace(GOOD, name="slot, contact 2 steps, discrete, 0.1 ms", error=0.14, gap=4e-4)
-LOST = Construction("slot, 1 ms", "Drake 1.5", 0.016)
+LOST = Construction("slot, 1 ms", "Exudyn 1.5", 0.016)
 ROWS = (GOOD, FINE, RUBBED, DAMPED, LOST)
 
 
 def test_the_heading_counts_what_is_right_lost_and_only_looks_right() -> None:
     told = plain(finding(ROWS))
-    assert all(each in told for each in ("2 of 5", "MuJoCo and Drake", "1 lost", "2 only looked right"))
+    assert all(each in told for each in ("2 of 5", "MuJoCo and Exudyn", "1 lost", "2 only looked right"))
     assert "lost" not in plain(finding([GOOD]))
-
-
-def test_a_small_gap_and_a_right_frequency_are_told_apart() -> None:
-    assert all(each in plain(narrow_words(ROWS)) for each in ("1 construction ", "106 %", "worst: slot, contact 2 steps, default friction"))
-    assert all(each in plain(close_words(ROWS)) for each in ("2 constructions ", "14 to 106 %"))
-    assert narrow_words([GOOD]) == close_words([replace(RUBBED, frequency=-0.1)]) == ""
 
 
 def test_the_chapter_shows_every_construction_and_marks_what_was_lost() -> None:
@@ -37,6 +31,6 @@ def test_the_chapter_shows_every_construction_and_marks_what_was_lost() -> None:
     assert "as_built" not in pages.read(pages.one_run()).anchors
 
 
-@pytest.mark.parametrize("program", ["MuJoCo", "Exudyn", "Drake"])
+@pytest.mark.parametrize("program", ["MuJoCo", "Exudyn"])
 def test_the_record_has_every_program(program: str) -> None:
     assert any(row.program.startswith(f"{program} ") for row in built())

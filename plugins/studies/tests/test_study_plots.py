@@ -1,8 +1,6 @@
 """Pictures of studies: what is drawn is what was computed, in the units that were given, and what did not settle is marked."""
 
 import math
-import runpy
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -162,10 +160,3 @@ def test_steps_of_colour_go_one_way_from_dark_to_bright(eyes: str) -> None:
     lightness = np.array([lab(colour, EYES[eyes])[0] for colour in colours])
     assert np.all(np.diff(lightness) > 1.0)
     assert lightness[-1] - lightness[0] > 2.0 * APART
-
-
-def test_the_documents_show_the_commands_that_their_pictures_come_from() -> None:
-    docs = Path(__file__).parents[3] / "docs"
-    text, program = (docs / "studies.md").read_text("utf-8"), runpy.run_path(str(docs / "pictures/draw.py"))
-    for shown in (program["CURVE"], *(each for axes in program["MAPS"].values() for each in axes), *program["MAPS"]):
-        assert shown in text
