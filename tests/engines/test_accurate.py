@@ -145,12 +145,6 @@ def test_an_integration_error_is_called_so_where_it_misses() -> None:
     assert "the estimated integration error" in run(accuracy=1e-4, engine=Integration()).remark
 
 
-def test_times_are_of_the_delivered_run_only() -> None:
-    result = run(accuracy=4e-4)
-    assert (result.setup_seconds, result.solve_seconds) == (0.25, 0.125)
-    assert result.estimate_seconds >= 0.0
-
-
 def test_without_an_estimate_there_is_one_run_and_nothing_is_claimed() -> None:
     scene, engine = run_24(), FakeEngine()
     result = simulate(engine, scene, standard_start(scene), DURATION, STEP, estimate=False)

@@ -5,11 +5,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from quickreturn.engines.accurate import simulate
-from quickreturn.engines.base import EngineFailure, Refusal
+from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
-from quickreturn.engines.settings import SettingError
 from quickreturn.engines.start import standard_start
 from tests.engines.fake_engine import FakeEngine, FakeSettings
 from tests.engines.scenes import run_24
@@ -35,13 +33,6 @@ def test_ladder_gets_past_an_unstable_step() -> None:
     assert result.reached
 
 
-def test_scene_that_cannot_go_on_fails_with_what_was_computed() -> None:
-    with pytest.raises(EngineFailure, match="the beam snapped") as caught:
-        run(engine=misbehaving("fails"))
-    assert caught.value.partial is not None
-    assert len(caught.value.partial) == 3
-
-
 @pytest.mark.parametrize(
     ("behaviour", "words"),
     [("nan", "strain_2 is no longer a finite number"), ("short", "500 rows"), ("raises", r"at fake_engine.py, line \d+: a bug")],
@@ -58,11 +49,3 @@ def test_values_that_are_no_numbers_end_the_kept_part() -> None:
     assert len(caught.value.partial) == 5
     assert caught.value.time == pytest.approx(4 * STEP)
     assert np.isfinite(caught.value.partial["strain_2"]).all()
-
-
-def test_refusals_and_settings_pass_through() -> None:
-    heavy = run_24(slider={"mass": 0.5})
-    with pytest.raises(Refusal, match=r"slider\.mass"):
-        simulate(FakeEngine(), heavy, standard_start(heavy), DURATION, STEP)
-    with pytest.raises(SettingError, match=r"engine\.step"):
-        run({"step": "7"})

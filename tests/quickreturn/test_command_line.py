@@ -1,6 +1,5 @@
 """The program from outside: exit codes, one sentence on standard error, JSON alone on standard output, files whole or not at all."""
 
-import math
 import os
 import re
 import signal
@@ -70,13 +69,6 @@ def test_show_says_what_an_engine_builds(call: Call) -> None:
     text = call("show", "small.toml").output
     assert "fake: 3 degrees of freedom" in text
     assert re.search(r"length +101\.6 +mm\n", text)
-
-
-def test_modes_in_hertz(call: Call) -> None:
-    answer = call("modes", "small.toml", "--engine", "fake", "--crank-angle", "180", "--count", "2", "--json")
-    # The fake engine adds the crank angle in rad to 10, 20, ... Hz: degrees must have become radians.
-    assert document(answer)["frequencies"] == pytest.approx([10.0 + math.pi, 20.0 + math.pi])
-    assert "13.1416 Hz" in call("modes", "small.toml", "--engine", "fake", "--crank-angle", "180").output
 
 
 def test_unforeseen_error_is_a_sentence_too(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:

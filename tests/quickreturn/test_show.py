@@ -100,11 +100,3 @@ def test_a_table_of_forces_is_told_by_its_file_its_points_and_extremes(call: Cal
     assert re.search(r"force_table +shaper-chips.csv of 24 points: -180 to 0 N along n1, 0 to 1580 N along n2 *\n", shown)
     told = json.loads(call("show", "shaper-chips", "--json").output)["scene"]["tip"]["force_table"]
     assert (told["file"], told["second"][6]) == ("shaper-chips.csv", 400.0)
-
-
-def test_a_copy_of_a_machine_holds_its_table_and_a_missing_file_is_bad_input(call: Call) -> None:
-    assert call("new", "copy.toml", "--from", "shaper-chips").code == ExitCode.GOOD
-    assert "a table of 24 points" in call("show", "copy.toml").output
-    refused = call("show", "copy.toml", "--set", "tip.force_table=gone.csv")
-    assert refused.code == ExitCode.BAD_INPUT
-    assert 'tip.force_table: "gone.csv" there is no such file; give a CSV file that begins with' in refused.errors

@@ -9,7 +9,7 @@ import pytest
 from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.estimates import HalfSignal, MeasuredCycle, signal_estimates
-from quickreturn.cases.motion.marching import AVERAGED, channels_of, settle
+from quickreturn.cases.motion.marching import AVERAGED, settle
 from quickreturn.cases.motion.request import RunRequest
 from quickreturn.cases.motion.settling import GREATEST_NUMBER, Cycle
 from quickreturn.cases.motion.steady_state import steady_state
@@ -44,13 +44,6 @@ def test_drift_growth_and_a_slow_approach_are_not_averaged(others: dict[str, flo
     found, settling = settle(cycles(**others, seed=seed))
     assert not settling.settled
     assert len(found) == 1
-
-
-def test_a_settled_cycle_is_measured_alone() -> None:
-    found, settling = settle(Cycle(one.time, one.crank_angle, one.channels) for one in cycles(growth=0.0))
-    assert settling.settled
-    assert len(found) == 1
-    assert channels_of(found[0]).time[-1] == pytest.approx(0.5 * settling.cycles)
 
 
 def test_estimates_compare_the_mean_extremes_and_the_mean_signals() -> None:

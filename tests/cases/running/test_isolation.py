@@ -73,12 +73,6 @@ def test_function_that_the_worker_cannot_import_is_a_failure_of_the_job() -> Non
     assert outcome.failure == "raised ModuleNotFoundError: No module named 'no_such_module_in_the_worker'"
 
 
-def test_memory_limit_ends_a_job_that_hoards() -> None:
-    outcome = done(bytearray, 2 * GIB, limits=Limits(memory=GIB))
-    assert outcome.failure == "ran out of memory (memory limit of 1 GiB)"
-    assert done(bytearray, 1000, limits=Limits(memory=GIB)).completed
-
-
 @pytest.mark.parametrize("words", ["Error: engine error: Could not allocate memory", "std::bad_alloc", "Unable to allocate 2 GiB for it"])
 def test_a_library_that_gets_no_memory_is_named_as_such(words: str) -> None:
     """MuJoCo raises ValueError, which was the author's fault by the message."""

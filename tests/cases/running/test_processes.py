@@ -3,7 +3,6 @@
 The jobs are functions of the standard library, so that every worker can import them.
 """
 
-import operator
 import os
 import signal
 import threading
@@ -41,18 +40,6 @@ def test_a_watcher_is_told_how_far_a_job_is_and_nobody_else() -> None:
     assert outcome.completed
     assert seen == [("job", "None"), ("job", "fake, marching"), ("job", "fake, marching, cycle 1"), ("job", "fake, marching, cycle 2")]
     assert done(exec, code).completed
-
-
-def test_one_failing_job_takes_no_other_with_it() -> None:
-    jobs = [Job(f"good {number}", operator.neg, (number,)) for number in range(6)]
-    jobs[1:1] = [
-        Job("dies", os.abort),
-        Job("raises", operator.truediv, (1, 0)),
-        Job("hangs", time.sleep, (3600.0,), limits=Limits(seconds=0.5)),
-    ]
-    outcomes = {outcome.job.name: outcome for outcome in LocalProcesses(3, Limits(seconds=60.0)).run(jobs)}
-    assert [outcomes[f"good {number}"].value for number in range(6)] == [-number for number in range(6)]
-    assert {name for name, outcome in outcomes.items() if outcome.failure} == {"dies", "raises", "hangs"}
 
 
 def brief(name: str, code: str, **changes: Any) -> Job[Any]:

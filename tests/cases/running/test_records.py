@@ -64,11 +64,6 @@ def test_numbers_of_numpy_are_plain_ones(tmp_path: Path) -> None:
     assert [type(value) for value in found] == [float, int, bool]
 
 
-def test_a_number_that_is_none_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="JSON compliant"):
-        there_and_back(Part, Part("a", math.nan), tmp_path)
-
-
 @pytest.mark.parametrize("document", [{}, {"name": "a", "size": 1.0}, []])
 def test_a_record_of_something_else_is_no_result(document: Any) -> None:
     with pytest.raises((KeyError, TypeError, ValueError)):
