@@ -80,6 +80,7 @@ def test_linear_algebra_keeps_to_one_thread_and_gives_the_others_back() -> None:
 def test_the_first_simulation_of_a_process_does_so_too() -> None:
     """Its engine is the first that loads scipy's linear algebra."""
     code = """
+from tests.engines.test_accurate import FakeEngine, run, threads
 class Watching(FakeEngine):
     def settings_for(self, accuracy, mechanism):
         import scipy.linalg

@@ -23,8 +23,23 @@ from quickreturn.engines.registry import engine
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import rms, scale
 from tests.slices import Portion
-from tests.verification.accuracy_campaign import ACCURACIES, ANSWER, ENGINES, SEED, Request, Row, campaign, library_scenes, main, scene_rows
-from tests.verification.claims import MARGIN, deliveries, judged, left_out, summary
+from tests.verification.accuracy_campaign import (
+    ACCURACIES,
+    ANSWER,
+    ENGINES,
+    MARGIN,
+    SEED,
+    Request,
+    Row,
+    campaign,
+    deliveries,
+    judged,
+    left_out,
+    library_scenes,
+    main,
+    scene_rows,
+    summary,
+)
 from tests.verification.random_machines import arms_alone, braked_machines, combined_machines, loaded_machines, sensible_machines
 from tests.verification.random_scenes import LARGEST_CONDITION, LARGEST_DEFLECTION, LARGEST_SLIDER_POSITION, Scene, random_scenes
 from tests.verification.row import chapter
@@ -83,7 +98,7 @@ def test_claims_hold(record_property: Callable[[str, object], None], portion: Po
     table, broken = campaign(scenes, Workshop(Store()))
     found, delivered, unknown = summary(table), deliveries(table), left_out(table)
     text = (
-        "Errors over what the engines claim, column by column; truth, scenes and what is judged: accuracy_campaign.py and claims.py in"
+        "Errors over what the engines claim, column by column; truth, scenes and what is judged: accuracy_campaign.py in"
         " tests/verification."
     )
     record_property("chapter", chapter(found, "Claims and errors", text, digits=3))
