@@ -16,7 +16,7 @@ from matplotlib.text import Text
 import quickreturn as qr
 from quickreturn.cases.files.shown import Unit
 from quickreturn.cases.running.key import key_of
-from quickreturn.cases.running.records import Pieces, encoded
+from quickreturn.cases.running.store import Pieces, encoded
 from quickreturn.plugins.studies.around import Around
 from quickreturn.plugins.studies.resonance_curve.curve import MULTIPLIER_TOLERANCE, Range, ResonancePeak, SpecialPoint, range_of
 from quickreturn.plugins.studies.resonance_curve.resonance import Resonance

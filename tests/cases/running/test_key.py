@@ -128,7 +128,7 @@ plugins.studies.resonance_curve.search.resonance_curve: cases.files.document cas
     not cases.comparison.engines
 plugins.methods.race.raced: plugins.methods.search plugins.methods.asked plugins.methods.truth, not plugins.methods.studies
 plugins.methods.truth.truth_of: plugins.methods.truth plugins.methods.row, not plugins.methods.search cases.comparison.engines
-plugins.thesis.inference.response.respond: cases.motion.half_cycle cases.motion.marching, not cases.comparison.engines
+plugins.thesis.inference.response.respond: cases.motion.time_scale cases.motion.marching, not cases.comparison.engines
 """.strip().replace("\n    ", " ")
 
 
@@ -140,7 +140,7 @@ def test_the_key_of_a_stored_job_has_what_it_uses_and_not_what_only_talks(line: 
     assert callable(getattr(importlib.import_module(module), function))
     sources = sources_of(module)
     assert {f"quickreturn.{each}" for each in used} <= sources.keys()
-    assert {"quickreturn.reference_model.model", "quickreturn.engines.own.reference", "quickreturn.cases.running.records"} <= sources.keys()
+    assert {"quickreturn.reference_model.model", "quickreturn.engines.own.reference", "quickreturn.cases.running.store"} <= sources.keys()
     assert not {f"quickreturn.{each}" for each in others} & sources.keys()
     assert not {"quickreturn.cases.running.display", "quickreturn.engines.progress", "quickreturn.cases.files.shown"} & sources.keys()
 

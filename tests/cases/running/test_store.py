@@ -15,8 +15,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from quickreturn.cases.running.records import decoded, encoded
-from quickreturn.cases.running.store import Record, Store, StoreError
+from quickreturn.cases.running.store import Record, Store, StoreError, decoded, encoded
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.trajectory import FollowerTrajectory, Trajectory
 

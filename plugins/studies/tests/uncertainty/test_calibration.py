@@ -20,8 +20,7 @@ from quickreturn.engines.registry import engine
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import rms
 from quickreturn.plugins.studies.uncertainty.calibration import DEFAULT_ERROR, TABLE_ERROR, Free, calibrated
-from quickreturn.plugins.studies.uncertainty.covariance import covariance, reach, smooth_part, undetermined
-from quickreturn.plugins.studies.uncertainty.fit import FittedParameter
+from quickreturn.plugins.studies.uncertainty.fit import FittedParameter, covariance, reach, smooth_part, undetermined
 from quickreturn.plugins.studies.uncertainty.parameters import Parameter, changes
 from quickreturn.plugins.studies.uncertainty.table_model import TableModel
 from quickreturn.reference_model.rigid import crank_pace
