@@ -92,7 +92,7 @@ def test_strain_while_the_slider_passes_the_gauge() -> None:
     assert ratios["strain_3"] < 1.0
 
 
-@pytest.mark.parametrize("shapes", ["2", "6", "8", "12"])
+@pytest.mark.parametrize("shapes", ["2", "8", *(pytest.param(shapes, marks=pytest.mark.verify) for shapes in ("6", "12"))])
 def test_shapes_that_stay(shapes: str) -> None:
     """In thesis' run 17 8 shapes err less than 10, so that these two say nothing of each other's error."""
     ratios = errors_over_claims_of("thesis-17", "fixed-shapes", 0.5, {"shapes": shapes, "tolerance": "1e-9"})

@@ -113,17 +113,6 @@ def test_every_measure_has_a_unit_and_a_meaning() -> None:
     assert all(each.unit and each.meaning and each.name == name for name, each in MEASURES.items())
 
 
-@pytest.mark.verify
-def test_the_other_engines_stand_by_the_points() -> None:
-    scenes = [at(90.0), at(120.0), at(150.0)]
-    names = ("peak.tip_acceleration", "peak.slider_force")
-    ours = row(scenes, MeasureRequest(measures=names))
-    for engine in ("mujoco", "exudyn"):
-        other = row(scenes, MeasureRequest(measures=names, engine=engine))
-        assert other.statuses == (Ending.SETTLED,) * 3
-        assert np.all(np.abs(other.values - ours.values) <= other.errors + ours.errors)
-
-
 ASKED = MeasureRequest(measures=("peak.tip_acceleration", "multiplier"), claims=False)
 
 

@@ -132,7 +132,7 @@ CHEAP = {
 
 
 @pytest.mark.parametrize("cheap", CHEAP)
-@pytest.mark.parametrize("samples", [16, 32, 64])
+@pytest.mark.parametrize("samples", [32, *(pytest.param(count, marks=pytest.mark.verify) for count in (16, 64))])
 def test_intervals_of_forty_small_studies_contain_the_quantiles(cheap: str, samples: int) -> None:
     """The fewest of 40 that a share of 95 % gives in 97.5 % of the cases is 35 (binomial)."""
     found, function = points(8), CHEAP[cheap]
