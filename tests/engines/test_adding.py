@@ -1,4 +1,4 @@
-"""An engine, and a column of trajectories, are added as `docs/developing.md` says. Done on copies of the package."""
+"""A column of trajectories is added as `docs/developing.md` says. Done on a copy of the package."""
 
 import json
 import os
