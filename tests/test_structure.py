@@ -36,8 +36,8 @@ reference_model.native: cache_folder
 engines: accurate base error_parts ladder one_run plugins progress refusals registry settings start
     trajectory
 cases.files: case document errors force_table keys number_rows reading shown text_file units written
-cases.motion: cycle drifting_fit extremes first_mode half_cycle moving_mode number time_scale
-cases.running: display job key records store workshop
+cases.motion: cycle drifting_fit extremes first_mode moving_mode number time_scale
+cases.running: display job key store workshop
 """
 #: Lines of the kernel at most, everything counted.
 LARGEST_KERNEL = 9_000
