@@ -44,7 +44,7 @@ LARGEST_KERNEL = 9_000
 #: Room -> lines of code at most: blank lines, comments, docstrings and imports do not count, nor do tests.
 BUDGETS = {
     "reference_model": 5_887,
-    "engines": 4_328,
+    "engines": 4_350,
     "cases": 6_073,
     "reports": 2_342,
     "quickreturn": 1_905,
