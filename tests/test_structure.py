@@ -55,7 +55,7 @@ BUDGETS = {
     "plugins/fmu": 390,
     "plugins/methods": 2_288,
     "plugins/pack": 430,
-    "plugins/strength": 1_380,
+    "plugins/strength": 1_290,
     "plugins/studies": 2_510,
     "plugins/thesis": 1_300,
 }

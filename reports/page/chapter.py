@@ -23,7 +23,6 @@ class Series:
         bars: spread of each point: low and high on the horizontal axis, low and high on the vertical one; or nothing.
         marked: whether each point has a mark.
         labels: text at each mark; or nothing.
-        columns: whether each point is a bar from zero, beside those of other series.
     """
 
     name: str
@@ -37,7 +36,6 @@ class Series:
     bars: Sequence[Sequence[float]] = ()
     marked: bool = True
     labels: Sequence[str] = ()
-    columns: bool = False
 
 
 @dataclass(frozen=True)
@@ -54,7 +52,6 @@ class Plot:
     limit: tuple[float, str] | None = None  # a value that is marked by a line across the rows, and its meaning
     regions: Sequence[Sequence[tuple[float, float]]] = ()  # areas behind the points: their corners as pairs of values
     here: tuple[float, str] | None = None  # a value on the horizontal axis that is marked by a line, and its meaning
-    alike: bool = False  # whether a unit is equally long on both axes
 
     @property
     def document(self) -> dict[str, Any]:

@@ -14,15 +14,14 @@ from quickreturn.cases.motion.number import Number
 from quickreturn.cases.motion.resonance import Resonance, resonance
 from quickreturn.plugins.strength.case_loads import CaseLoads, leading_loads, loads_of_case, loads_on, numbers_of_case, share_of
 from quickreturn.plugins.strength.loads import loads_of_run
-from quickreturn.plugins.strength.page import TOPICS, machine_screen, machines, safety_figure, strength_finding
+from quickreturn.plugins.strength.page import machine_screen, machines, safety_figure, strength_finding
 from quickreturn.plugins.strength.stress import ArmStress, Factor, Fatigue, section_modulus
-from quickreturn.plugins.strength.turn import statements
 from quickreturn.plugins.strength.words import name_of, notch_lines, verdict
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.view import cycles
 from quickreturn.reports.words import quantity
-from tests.reports.pages import chapter_of, finding_of, one_run, plain, read, text_of
+from tests.reports.pages import finding_of, one_run, plain, read, text_of
 from tests.reports.plotted_results import made_up_result, with_run, with_strength
 from tests.reports.reported_results import reported_result
 
@@ -164,7 +163,7 @@ def test_the_thesis_keeps_its_first_screen_and_engines_without_moments_the_old_o
     of_thesis = one_run()
     assert loads_on(of_thesis) == []
     assert machines(of_thesis) == {}
-    assert not {"strength", "turn", "next"} & {chapter.id for chapter in chapters_of(of_thesis)}
+    assert not {"strength", "next"} & {chapter.id for chapter in chapters_of(of_thesis)}
     without = example
     for name, run in example.runs.items():
         without = with_run(without, name, cycle={key: values for key, values in run.cycle.items() if not key.startswith("moment")})
@@ -199,15 +198,6 @@ def test_rows_have_units_and_names(example: CaseResult) -> None:
     assert found["stress"].unit == "Pa"
     assert found["frequency_ratio"].value == pytest.approx(found["mean_first_frequency"].value / 2.0)  # 120 rpm
     assert found["yield_factor"].value == pytest.approx(240e6 / found["stress"].value)
-
-
-def test_a_turn_has_what_no_table_shows_and_how_far_it_can_be_trusted(example: CaseResult) -> None:
-    told = {each.topic: each.sentence for each in statements(example.case, example.runs["reference"])}
-    ((_, sentences),) = chapter_of(one_run(example), "turn").facts["cases"]
-    assert sentences == [told[topic] for topic in TOPICS if topic in told]
-    assert "trust" in told
-    failed = reported_result("example", dict.fromkeys(example.runs, "failed"))
-    assert "turn" not in [chapter.id for chapter in chapters_of(one_run(failed))]
 
 
 def test_a_machine_has_its_verdict_its_stress_and_its_warning(known: CaseLoads) -> None:
