@@ -109,7 +109,7 @@ class Chart {
   axes(shown, across) {
     const { plot } = this, width = across, height = width < 500 ? 320 : 380;
     const [above, below] = [plot.here ? 60 : 30, 44], named = width >= 760;
-    const marked = (axis) => [...shown.flatMap((series) => [...series[axis ? "y" : "x"].filter((value) => value !== null), ...series.bars.flatMap((bar) => bar.slice(2 * axis, 2 * axis + 2))]), ...plot.regions.flat().map((corner) => corner[axis])];
+    const marked = (axis) => shown.flatMap((series) => series[axis ? "y" : "x"].filter((value) => value !== null));
     const vertical = new Axis(marked(1), plot.log.includes("y"), [height - below, above], 7);
     const left = 14 + Math.max(...vertical.ticks.map((value) => wide(onAxis(value)))), right = named ? 24 + Math.max(...shown.map(({ name }) => wide(name, NAME))) : 14;
     const horizontal = new Axis(marked(0), plot.log.includes("x"), [left, width - right], Math.floor((width - left - right) / 60));
@@ -123,7 +123,6 @@ class Chart {
       const top = Math.max(above, vertical.place(Math.min(plot.below, vertical.high)));
       made.append(svg("rect", { x: left, y: top, width: width - left - right, height: height - below - top, fill: colour("soft"), "fill-opacity": 0.16 }));
     }
-    for (const corners of plot.regions) made.append(svg("polygon", { points: corners.map(([x, y]) => [horizontal.place(x), vertical.place(y)]).join(" "), fill: colour("soft"), "fill-opacity": 0.16 }));
     made.append(svg("path", { d: `M${left} ${above}V${height - below}H${width - right}`, fill: "none", stroke: colour("soft") }));
     made.append(words(4, 16, plot.y, { anchor: "start", fill: colour("ink"), size: NAME }));
     made.append(words((left + width - right) / 2, height - 6, plot.x, { fill: colour("ink"), size: NAME }));
@@ -141,9 +140,6 @@ class Chart {
         ? { fill: "none", stroke: colour("line"), "stroke-width": 14, "stroke-linecap": "round", "stroke-linejoin": "round" } : strokeOf(series.of);
       if (series.line || series.broad) for (const path of unbroken(points)) group.append(svg("polyline", { points: path.map(([x, y]) => `${x.toFixed(1)},${y.toFixed(1)}`).join(" "), ...about }));
       if (!series.broad) {
-        series.bars.forEach(([from, to, low, high], k) => group.append(svg("path", {
-          d: `M${horizontal.place(from)} ${points[k][1]}H${horizontal.place(to)}M${points[k][0]} ${vertical.place(low)}V${vertical.place(high)}`, stroke: lookOf(series.of).colour, "stroke-opacity": 0.45,
-        })));
         points.forEach((point, index) => {
           if (!point) return;
           const [x, y] = point;
