@@ -8,7 +8,7 @@ from quickreturn.cases.files.shown import Cell
 from quickreturn.engines.accurate import Result
 from quickreturn.plugins.strength.arm import missing
 from quickreturn.plugins.strength.loads import UNITS, Loads, loads_job, loads_of_run
-from quickreturn.plugins.strength.words import NAMES, loads_document, notch_lines, stress_text
+from quickreturn.plugins.strength.words import NAMES, loads_document, stress_text
 from quickreturn.readings import Reading
 from quickreturn.reference_model.columns import MOMENTS
 from quickreturn.reports.words import TIED, quantity
@@ -37,7 +37,7 @@ def lines(result: "CaseResult") -> Iterator[str]:
     texts = list[str]()
     if case.lead:
         loads = case.loads[case.lead]
-        texts += (f"{case.lead}: {sentence}" for sentence in (stress_text(loads, case.case), *notch_lines(loads, case.case)))
+        texts.append(f"{case.lead}: {stress_text(loads, case.case)}")
         peaks = [f"{NAMES[name]} {quantity(peak.value, units.of(UNITS[name]))}" for name, peak in loads.peaks.items() if peak]
         texts += [f"{case.lead}: largest {', '.join(peaks)}"] * bool(peaks)
         if case.resonance is not None:
