@@ -21,8 +21,9 @@ unexport PYTHONDONTWRITEBYTECODE
 report: $(READY)
 	$(BIN)/quickreturn report
 
-# What two processes would compile side by side is compiled before, while the type checker is at work: each keeps one core busy. The
-# longest files come first. Tests wait for programs, browsers and time limits, so that three processes keep two cores busy.
+# What three processes would compile side by side, the tests' assertions among it, is compiled before, while the type checker is at work:
+# each keeps one core busy. The longest files come first. Tests wait for programs, browsers and time limits, so that three processes keep
+# two cores busy.
 test: $(TEST)
 	$(MAKE) --jobs $(PARALLEL) lint compile
 	$(BIN)/pytest -n $(PROCESSES) $(CRASH) --dist loadgroup --no-loadscope-reorder
@@ -71,6 +72,7 @@ docs: $(TEST)
 
 compile: $(TEST)
 	$(BIN)/python -c 'import quickreturn as qr; [qr.simulate("thesis-24", name, store=False) for name in ("thesis", "reference", "mujoco")]'
+	ls tests/__pycache__/*-pytest-*.pyc > /dev/null 2>&1 || $(BIN)/pytest -n 0 --collect-only --quiet --quiet > /dev/null
 
 $(READY): EXTRA := [plot,tables]
 $(TEST): EXTRA := [test]

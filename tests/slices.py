@@ -45,7 +45,6 @@ LONGEST = (
     "test_compare",
     "test_several",
     "test_beam_equations",
-    "test_golden",
     "test_strength",
     "test_slices",  # starts pytest
     "test_recorded",

@@ -34,13 +34,6 @@ def checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def test_what_is_written_is_read_back(tmp_path: Path) -> None:
-    entries = {name: dataclasses.replace(GOOD, test=name) for name in ("tests/test_a.py::test_one", "tests/test_b.py::test_two[a,b]")}
-    write(reversed(entries.values()), tmp_path / FILE)
-    assert list(read(tmp_path / FILE).items()) == list(entries.items())
-    assert read(tmp_path / "none.csv") == {}
-
-
 def test_a_change_of_what_a_test_imports_is_noticed_and_no_other(checkout: Path) -> None:
     def code() -> str:
         return code_of("tests/test_value.py", checkout)

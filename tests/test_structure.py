@@ -36,15 +36,15 @@ reference_model.native: cache_folder
 engines: accurate base error_parts ladder one_run plugins progress refusals registry settings start
     trajectory
 cases.files: case document errors force_table keys number_rows reading shown text_file units written
-cases.motion: cycle drifting_fit extremes first_mode half_cycle moving_mode number time_scale
-cases.running: display job key records store workshop
+cases.motion: cycle drifting_fit extremes first_mode moving_mode number time_scale
+cases.running: display job key store workshop
 """
 #: Lines of the kernel at most, everything counted.
 LARGEST_KERNEL = 9_000
 #: Room -> lines of code at most: blank lines, comments, docstrings and imports do not count, nor do tests.
 BUDGETS = {
     "reference_model": 5_887,
-    "engines": 4_328,
+    "engines": 4_350,
     "cases": 6_073,
     "reports": 2_270,
     "quickreturn": 1_905,

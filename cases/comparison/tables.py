@@ -26,12 +26,11 @@ from quickreturn.cases.files.units import in_si
 from quickreturn.cases.motion.cycle import EXTREMES, VIBRATION, ChannelMeasures, measure_cycle
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.estimates import MeasuredNumbers, mean_estimate
-from quickreturn.cases.motion.half_cycle import SAMPLES
 from quickreturn.cases.motion.marching import columns_of
 from quickreturn.cases.motion.number import Consensus
 from quickreturn.cases.motion.request import STANDARD, Approach, Recording, Run
 from quickreturn.cases.motion.settling import AT_THE_END, GREATEST_NUMBER, TOLERANCE, Cycle, Settling, cut_cycles, on_common_grid
-from quickreturn.cases.motion.time_scale import CHANNELS, TURN, time_scale
+from quickreturn.cases.motion.time_scale import CHANNELS, SAMPLES, TURN, time_scale
 from quickreturn.engines.trajectory import rms
 from quickreturn.reference_model.columns import COLUMNS, SHAPE
 from quickreturn.reference_model.mechanism import Mechanism

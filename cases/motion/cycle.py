@@ -11,9 +11,8 @@ from scipy.interpolate import CubicSpline
 
 from quickreturn.cases.motion.extremes import extremes, low_pass
 from quickreturn.cases.motion.first_mode import FirstMode, agreeing, fit_first_modes, second_mode_frequency
-from quickreturn.cases.motion.half_cycle import SAMPLES, ChannelHalf, channel_half, half_cycle
 from quickreturn.cases.motion.number import Consensus, Number, consensus, or_nan
-from quickreturn.cases.motion.time_scale import TimeScale
+from quickreturn.cases.motion.time_scale import SAMPLES, ChannelHalf, TimeScale, channel_half, half_cycle
 from quickreturn.engines.error_parts import ErrorPart
 
 Array = NDArray[np.float64]

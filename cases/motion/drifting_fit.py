@@ -24,7 +24,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.motion.half_cycle import ChannelHalf
+from quickreturn.cases.motion.time_scale import ChannelHalf
 
 Array = NDArray[np.float64]
 

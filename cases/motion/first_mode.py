@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.cases.motion.drifting_fit import Bounds, Fit, Problem, Waves, left_by, orthonormal, refined, without
-from quickreturn.cases.motion.half_cycle import SAMPLES, ChannelHalf, polynomials
+from quickreturn.cases.motion.time_scale import SAMPLES, ChannelHalf, polynomials
 
 Array = NDArray[np.float64]
 

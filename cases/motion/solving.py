@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from quickreturn.cases.running.job import Job, Outcome
-from quickreturn.cases.running.records import can_be_stored
+from quickreturn.cases.running.store import can_be_stored
 from quickreturn.engines import progress
 from quickreturn.engines.accurate import Result, simulate
 from quickreturn.engines.base import AnyEngine, EngineFailure

@@ -132,7 +132,7 @@ def names_imported(text: str) -> Iterator[str]:
 SIMULATION: Final = ("quickreturn.reference_model", "quickreturn.engines")
 
 #: Code that converts results to records and back.
-_RECORDS: Final = "quickreturn.cases.running.records"
+_RECORDS: Final = "quickreturn.cases.running.store"
 #: Module that takes measures from plugins: what imports it depends on their code as well.
 _MEASURES: Final = "quickreturn.cases.motion.of_turn"
 #: Packages and modules that start jobs, write files, or show results and progress: no result depends on them.

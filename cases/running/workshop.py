@@ -12,8 +12,7 @@ from typing import Any, get_type_hints
 from quickreturn.cases.running.display import answers, watched
 from quickreturn.cases.running.job import Executor, Job, Nobody, Outcome, T
 from quickreturn.cases.running.key import key_of
-from quickreturn.cases.running.records import Pieces, decoded, encoded
-from quickreturn.cases.running.store import Record, Store
+from quickreturn.cases.running.store import Pieces, Record, Store, decoded, encoded
 
 
 def _processes() -> Executor:

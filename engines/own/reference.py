@@ -74,10 +74,12 @@ SLOWEST_RATIO: Final = 0.5
 #: `stiffness_ratio` below which no mode is slowed, because the motion needs the higher modes. In run 24 (4.1) slowing costs nothing; with a
 #: tenth of its stiffness (1.3) the error is ten times as large (`engines/LADDERS.md`, section 1).
 SOFT_FOLLOWER: Final = 3.0
+#: `stiffness_ratio` below which that takes so many modes that implicit steps are cheaper.
+VERY_SOFT_FOLLOWER: Final = 1.9
 #: `stiffness_ratio` of run 24 with a tenth of its stiffness, on which the ladder of soft followers was measured; and the power with which
 #: the error is taken to fall with this ratio, to begin near the rung that suffices (`engines/LADDERS.md`, section 1).
-RATIO_OF_SOFT: Final = 1.3
-POWER_OF_SOFT: Final = 3.0
+RATIO_OF_VERY_SOFT: Final = 1.3
+POWER_OF_VERY_SOFT: Final = 3.0
 #: Modes -> `Comparison.alike`; 0 for other numbers of modes, and for modes as they are, which follow where slowed ones were not enough.
 ALIKE_WITHIN: Final = {1: 4.0, 2: 4.0, 4: 2.0}
 #: Length of the last step of the search for a periodic motion, relative to the motion. A tenth of it or less is left, which counts as
@@ -202,16 +204,16 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         """Number of modes from the measured table; fewer for a stiffer follower than run 24's, more where rollers strike it.
 
         None is slowed of a soft follower, whose motion needs the higher modes; nor where a shape carries the moment at the base: with an
-        added inertia it would carry a sudden one too late. There the integration is implicit.
+        added inertia it would carry a sudden one too late. The integration is implicit there, and of a very soft follower.
         """
         if not scene.slider.has_corners:
-            if 0.0 < (ratio := stiffness_ratio(scene)) < SOFT_FOLLOWER:
-                return IMPLICITLY.pick(accuracy, min((RATIO_OF_SOFT / ratio) ** POWER_OF_SOFT, 1.0))
-            if scene.crank is None:
-                return fitted(AS_THEY_ARE, accuracy, scene)
-            if needs_base_shape(scene):
+            ratio = stiffness_ratio(scene)
+            if 0.0 < ratio < VERY_SOFT_FOLLOWER:
+                return IMPLICITLY.pick(accuracy, min((RATIO_OF_VERY_SOFT / ratio) ** POWER_OF_VERY_SOFT, 1.0))
+            if scene.crank is not None and needs_base_shape(scene):
                 return IMPLICITLY.rung(fitted(AS_THEY_ARE, accuracy, scene).modes)
-            return slowed(fitted(SLOWED, accuracy, scene))
+            is_slowed = scene.crank is not None and not 0.0 < ratio < SOFT_FOLLOWER
+            return slowed(fitted(SLOWED, accuracy, scene)) if is_slowed else fitted(AS_THEY_ARE, accuracy, scene)
         if blow(scene) <= LEAST_BLOW:
             return slowed(fitted(AS_THEY_ARE, accuracy, scene))
         usual = AS_THEY_ARE.pick(accuracy)

@@ -37,7 +37,7 @@ from quickreturn.plugins.conform.bench import (
     engine_from,
     some,
 )
-from quickreturn.plugins.conform.motion import motion
+from quickreturn.plugins.conform.columns import motion
 from quickreturn.plugins.conform.promises import frequencies, ladder
 from quickreturn.plugins.conform.quantities import alone, quantities
 from quickreturn.plugins.conform.rods import rods

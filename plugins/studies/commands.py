@@ -141,7 +141,7 @@ def uncertainty(
         found = points.scatter(opened)
     write(call.output, lambda ending: table_file(found.frame, found.frame.attrs["units"], ending))
     if plot is not None:
-        from quickreturn.plugins.studies.drawing.scatter import scatter_figure
+        from quickreturn.plugins.studies.drawing.study import scatter_figure
         from quickreturn.reports.drawing.style import picture
 
         write(plot, lambda ending: picture(scatter_figure(found), ending))

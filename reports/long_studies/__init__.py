@@ -19,8 +19,7 @@ from typing import Any, Final, TypeVar, get_args, get_type_hints
 
 import pandas as pd
 
-from quickreturn.cases.running.records import decoded, encoded
-from quickreturn.cases.running.store import Record
+from quickreturn.cases.running.store import Record, decoded, encoded
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.plugins import entries, found
 

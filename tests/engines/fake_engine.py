@@ -5,7 +5,6 @@ makes it misbehave in the ways that the runner must survive.
 """
 
 import os
-import signal
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -20,7 +19,7 @@ from quickreturn.engines.start import Start
 from quickreturn.engines.trajectory import REQUIRED, Trajectory
 from quickreturn.reference_model.mechanism import Mechanism
 
-BEHAVIOURS = ("good", "coarse fails", "unstable", "fails", "raises", "nan", "short", "prints", "dies", "hangs", "rigid", "hungry")
+BEHAVIOURS = ("good", "coarse fails", "unstable", "fails", "raises", "nan", "short", "prints", "hangs", "rigid")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,12 +60,8 @@ class FakeSimulation(Simulation):
             case "prints":
                 print("chatter of the library")
                 os.write(1, b"chatter of the C library\n")
-            case "dies":
-                os.kill(os.getpid(), signal.SIGSEGV)
             case "hangs":
                 time.sleep(3600.0)
-            case "hungry":
-                self._hoard = bytearray(1 << 40)
         return trajectory
 
     def _motion(self, times: NDArray[np.float64]) -> Trajectory:

@@ -1,18 +1,20 @@
-"""The error estimate and the ladder, on an engine whose error is known in closed form."""
+"""The error estimate and the ladder, on engines whose error is known in closed form or that misbehave as told."""
 
 import math
 import os
 import subprocess
 import sys
 import time
-from typing import ClassVar
+from typing import Any, ClassVar
 
+import numpy as np
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from quickreturn.engines.accurate import Result, simulate
-from quickreturn.engines.base import Engine, EstimateOf, Simulation
-from quickreturn.engines.own.reference import ReferenceEngine
+from quickreturn.engines.base import Engine, EngineFailure, EstimateOf, Simulation
+from quickreturn.engines.one_run import run_once
+from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.reference_model.mechanism import Mechanism
 from tests.engines.fake_engine import FakeEngine, FakeSettings, error_of
@@ -145,12 +147,6 @@ def test_an_integration_error_is_called_so_where_it_misses() -> None:
     assert "the estimated integration error" in run(accuracy=1e-4, engine=Integration()).remark
 
 
-def test_times_are_of_the_delivered_run_only() -> None:
-    result = run(accuracy=4e-4)
-    assert (result.setup_seconds, result.solve_seconds) == (0.25, 0.125)
-    assert result.estimate_seconds >= 0.0
-
-
 def test_without_an_estimate_there_is_one_run_and_nothing_is_claimed() -> None:
     scene, engine = run_24(), FakeEngine()
     result = simulate(engine, scene, standard_start(scene), DURATION, STEP, estimate=False)
@@ -202,3 +198,40 @@ def test_the_time_of_an_estimate_is_at_least_that_of_its_runs() -> None:
     others = [made for settings, made in result.runs.items() if settings != result.delivered]
     assert others
     assert result.estimate_seconds >= sum(made.trajectory.solve_seconds for made in others)
+
+
+def test_an_engine_whose_library_gets_no_memory_is_not_accused() -> None:
+    """The caller, who knows the limit, tells of the lack."""
+
+    class Hungry(ReferenceEngine):
+        def prepare(self, *_: Any) -> Any:
+            raise ValueError("Error: engine error: Could not allocate memory")
+
+    scene = run_24()
+    with pytest.raises(MemoryError, match="Could not allocate memory"):
+        run_once(Hungry(), scene, standard_start(scene), 0.01, 1e-3, ReferenceSettings())
+
+
+def test_ladder_gets_past_an_unstable_step() -> None:
+    result = run(engine=misbehaving("unstable"))
+    # 0.1 turns to NaN; so does the coarser run of 0.05, whose estimate is therefore unknown; 0.025 has a good one.
+    assert step_of(result) == pytest.approx(0.025)
+    assert result.reached
+
+
+@pytest.mark.parametrize(
+    ("behaviour", "words"),
+    [("nan", "strain_2 is no longer a finite number"), ("short", "500 rows"), ("raises", r"at fake_engine.py, line \d+: a bug")],
+)
+def test_wrong_trajectories_are_failures(behaviour: str, words: str) -> None:
+    scene = run_24()
+    with pytest.raises(EngineFailure, match=words):
+        run_once(FakeEngine(), scene, standard_start(scene), DURATION, STEP, FakeSettings(behaviour=behaviour))
+
+
+def test_values_that_are_no_numbers_end_the_kept_part() -> None:
+    with pytest.raises(EngineFailure) as caught:
+        run({"behaviour": "nan"})
+    assert len(caught.value.partial) == 5
+    assert caught.value.time == pytest.approx(4 * STEP)
+    assert np.isfinite(caught.value.partial["strain_2"]).all()

@@ -1,4 +1,4 @@
-"""An engine, and a column of trajectories, are added as `docs/developing.md` says. Done on copies of the package."""
+"""A column of trajectories is added as `docs/developing.md` says. Done on a copy of the package."""
 
 import json
 import os
@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.engines.fake_package import FAKE_ENGINE
 from tests.package_copy import ROOT, whole_package
 
 COLUMN = """        "crank_acceleration": Observable(
@@ -34,21 +33,6 @@ print(json.dumps({
     "unconfirmed": sorted(unconfirmed()),
     "unit": with_it.frame.attrs["units"]["crank_acceleration"], "csv": as_csv(with_it.trajectory).decode().splitlines()[0].split(","),
     "without": list(without.frame), "measures": {each.name: each.unit for each in qr.measures()},
-}))
-"""
-#: Asks for the engine in each of the ways in which engines are found.
-ASK = """
-import json
-import quickreturn as qr
-from quickreturn.cases.running.key import version_of
-from quickreturn.engines.registry import engine_names, own_engines
-
-case = qr.case("thesis-24").with_({"simulation.duration": "0.1 s", "simulation.output_step": "10 ms"})
-solution = qr.simulate(case, "fake", accuracy=0.01, store=False, quiet=True)
-print(json.dumps({
-    "names": engine_names(), "own": sorted(own_engines()),
-    "error": solution.result.error_estimate,
-    "settings": solution.settings, "version": version_of("fake"),
 }))
 """
 
@@ -88,17 +72,3 @@ def test_a_column_needs_a_declaration_and_a_line_in_an_engine_and_appears_wherev
     assert "crank_acceleration" not in found["without"]
     assert found["measures"]["peak.crank_acceleration"] == "rad/s^2"
     assert found["unconfirmed"] == [["column", "crank_acceleration"]]  # until the table of witnesses has it
-
-
-def test_an_engine_needs_a_module_and_its_name_in_the_registry(tmp_path: Path) -> None:
-    package = whole_package(tmp_path / "copy")
-    (package / "engines/own/fake.py").write_text(FAKE_ENGINE, encoding="utf-8")
-    last = '    "mujoco": "quickreturn.engines.mujoco.engine:MujocoEngine",\n'
-    replace(package / "engines/registry.py", last, f'{last}    "fake": "quickreturn.engines.own.fake:FakeEngine",\n')
-
-    found = told_by(package, ASK, tmp_path)
-    assert found["names"].count("fake") == 1
-    assert "fake" in found["own"]
-    assert found["error"] <= 0.01
-    assert found["settings"]["behaviour"] == "good"
-    assert found["version"][0] == "fake"

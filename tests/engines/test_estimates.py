@@ -106,13 +106,6 @@ def test_claims_hold_whatever_the_time_limit(monkeypatch: pytest.MonkeyPatch, ra
     assert found[True].error_estimate >= found[False].error_estimate  # type: ignore[operator]
 
 
-def test_nothing_is_reached_where_the_time_limit_forbids_the_estimate(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nobody asked for an accuracy, so that the engine's own is aimed at, and whether it is reached is not known."""
-    result = Slow(monkeypatch).within(20.0, None, None)
-    assert (result.reached, result.error_estimate, result.hurried) == (False, None, True)
-    assert "the error is unknown" in result.remark
-
-
 @pytest.mark.parametrize(("before", "counted"), [(0.2, 4.0), (0.1, LEAST_FACTOR), (None, LEAST_FACTOR)])
 def test_differences_that_do_not_fall_as_they_should_count_for_more(before: float | None, counted: float) -> None:
     """The runs with steps of 0.05 and 0.1 are compared; before them 0.2, the very 0.1, or one that breaks down."""

@@ -48,18 +48,6 @@ class Disguised(Engine):
         return self.sound.natural_frequencies(mechanism, crank_angle, count, settings)
 
 
-class TooLargeStep(Disguised):
-    """Takes a step twenty times as large as its settings say, and has no finer ones."""
-
-    def finer(self, settings: Settings, excess: tuple[float, ...], output_step: float) -> None:
-        return None
-
-    def prepare(self, mechanism: Mechanism, start: Start, settings: Settings) -> Simulation:
-        taken = settings.replaced()
-        object.__setattr__(taken, "step", 20.0 * taken.step)  # type: ignore[attr-defined]  # past the range that settings accept
-        return self.sound.prepare(mechanism, start, taken)
-
-
 class Stiffer(Disguised):
     """Bends a follower that is 3 % stiffer than the scene's."""
 

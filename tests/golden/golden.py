@@ -22,7 +22,7 @@ from quickreturn.cases.comparison.campaign import carry_out
 from quickreturn.cases.library import case_names, load_case
 from quickreturn.cases.motion.request import Run, RunRequest
 from quickreturn.cases.running.isolation import LocalProcesses
-from quickreturn.cases.running.job import Job, Limits
+from quickreturn.cases.running.job import Executor, Job, Limits
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.accurate import simulate
@@ -85,7 +85,7 @@ def modes_row(case: str, name: str) -> Row:
     return row
 
 
-def steady_rows(pairs: Sequence[tuple[str, str]], jobs: int | None) -> dict[tuple[str, str], Row]:
+def steady_rows(pairs: Sequence[tuple[str, str]], executor: Executor) -> dict[tuple[str, str], Row]:
     """Measures of the settled cycle at the default accuracy, by case and engine; taken from the store of results where they are there."""
     loaded = {case: load_case(case) for case, _ in pairs}
     requests = {
@@ -93,7 +93,7 @@ def steady_rows(pairs: Sequence[tuple[str, str]], jobs: int | None) -> dict[tupl
         for case, name in pairs
         if isinstance(loaded[case].scene, Mechanism)
     }
-    workshop = Workshop(Store(), LocalProcesses(jobs, Limits(seconds=LONGEST)))
+    workshop = Workshop(Store(), executor)
     runs = carry_out(requests, workshop, "steady states")
     return {pair: steady_row(runs[pair]) if pair in runs else {"status": "refused"} for pair in pairs}
 
@@ -119,16 +119,16 @@ def steady_row(run: Run) -> Row:
 _MAKERS: Final[Mapping[str, Callable[[str, str], Row]]] = {"trajectories": trajectory_row, "modes": modes_row}
 
 
-def rows_of(kind: str, pairs: Iterable[tuple[str, str]], jobs: int | None = None) -> pd.DataFrame:
-    """Rows of (case, engine) pairs, computed in processes of their own."""
-    pairs = list(pairs)
+def rows_of(kind: str, pairs: Iterable[tuple[str, str]], executor: Executor | None = None) -> pd.DataFrame:
+    """Rows of (case, engine) pairs, computed in processes of their own unless an executor is given."""
+    pairs, executor = list(pairs), executor or LocalProcesses(limits=Limits(seconds=LONGEST))
     if kind == "steady":
-        of_pair = steady_rows(pairs, jobs)
+        of_pair = steady_rows(pairs, executor)
         return pd.DataFrame([{"case": case, "engine": name, **of_pair[case, name]} for case, name in pairs])
     wanted = {f"{case} {name}": (case, name) for case, name in pairs}
     found: dict[str, Row] = {}
     work = [Job(label, _MAKERS[kind], pair) for label, pair in wanted.items()]
-    for outcome in LocalProcesses(jobs, Limits(seconds=LONGEST)).run(work):
+    for outcome in executor.run(work):
         found[outcome.job.name] = outcome.value if outcome.completed else {"status": outcome.failure}
         print(kind, outcome.job.name, f"{outcome.seconds:.1f} s", found[outcome.job.name]["status"], file=sys.stderr, flush=True)
     return pd.DataFrame([{"case": case, "engine": name, **found[label]} for label, (case, name) in wanted.items()])
@@ -187,7 +187,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--case", action="append", help="default: all of the library")
     parser.add_argument("--jobs", type=int)
     given = parser.parse_args(arguments)
-    table = rows_of(given.kind, [(case, name) for name in given.engine for case in given.case or case_names()], given.jobs)
+    executor = LocalProcesses(given.jobs, Limits(seconds=LONGEST))
+    table = rows_of(given.kind, [(case, name) for name in given.engine for case in given.case or case_names()], executor)
     file = FOLDER / f"{given.kind}.csv"
     if file.exists():
         kept = recorded(given.kind)

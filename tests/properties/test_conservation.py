@@ -57,12 +57,12 @@ ADDS_UP = ("dissipated_energy", "drive_work")
 
 
 @pytest.mark.parametrize("method", EXPLICIT, ids=str)
-@for_all(few=4, many=25, scene=scenes(damped=False))
+@for_all(few=3, many=25, scene=scenes(damped=False))
 def test_without_damping_motion_runs_backwards(method: Method, scene: Scene) -> None:
     check_reversal(method, scene)
 
 
-@for_all(few=4, many=25, scene=scenes(damped=False, compliant=True))
+@for_all(few=3, many=25, scene=scenes(damped=False, compliant=True))
 def test_motion_with_a_soft_joint_runs_backwards(scene: Scene) -> None:
     check_reversal(COMPLIANT, scene)
 
@@ -100,23 +100,23 @@ def check_balance(method: Method, scene: Scene, within: float) -> None:
 
 
 @pytest.mark.parametrize(("method", "within"), [(THESIS, STEPS_ADD_UP * TOLERANCE), (FIXED_SHAPES, TABLES)], ids=str)
-@for_all(few=6, many=40, scene=scenes())
+@for_all(few=3, many=40, scene=scenes())
 def test_energy_is_balanced(method: Method, within: float, scene: Scene) -> None:
     check_balance(method, scene, within)
 
 
-@for_all(few=6, many=40, scene=scenes(drive="torque", turning_slider=True))
+@for_all(few=3, many=40, scene=scenes(drive="torque", turning_slider=True))
 def test_energy_is_balanced_with_shapes_that_follow_the_slider(scene: Scene) -> None:
     check_balance(REFERENCE, scene, TABLES)
 
 
 @pytest.mark.parametrize("method", [REFERENCE, pytest.param(FIXED_SHAPES, marks=pytest.mark.verify)], ids=str)
-@for_all(few=6, many=40, scene=scenes(drive="torque", turning_slider=True, tool=True))
+@for_all(few=3, many=40, scene=scenes(drive="torque", turning_slider=True, tool=True))
 def test_energy_is_balanced_with_a_tool_and_a_spring(method: Method, scene: Scene) -> None:
     check_balance(method, scene, TABLES)
 
 
-@for_all(few=5, many=35, scene=scenes(drive="torque", compliant=True) | scenes(drive="torque", rollers=True))
+@for_all(few=3, many=35, scene=scenes(drive="torque", compliant=True) | scenes(drive="torque", rollers=True))
 def test_energy_is_balanced_with_a_joint_that_gives_way(scene: Scene) -> None:
     check_balance(COMPLIANT, scene, TABLES)
 
@@ -126,6 +126,6 @@ def test_work_of_a_prescribed_speed_is_balanced_with_a_soft_joint(scene: Scene) 
     check_balance(COMPLIANT, scene, TWO_MODES)
 
 
-@for_all(few=6, many=40, scene=scenes(drive="prescribed", turning_slider=True))
+@for_all(few=3, many=40, scene=scenes(drive="prescribed", turning_slider=True))
 def test_work_of_a_prescribed_speed_is_balanced_with_shapes_that_follow_the_slider(scene: Scene) -> None:
     check_balance(REFERENCE, scene, THREE_MODES)

@@ -16,7 +16,7 @@ ROUNDED = 4e-12
 
 
 @pytest.mark.parametrize("method", EXPLICIT, ids=str)
-@for_all(few=4, many=25, scene=scenes(), times=st.integers(2, 5))
+@for_all(few=3, many=25, scene=scenes(), times=st.integers(2, 5))
 def test_the_output_step_does_not_show(method: Method, scene: Scene, times: int) -> None:
     """Rows are interpolated: the steps are the same whatever is shown."""
     fine = method.run(scene, rows=times * scene.rows)
@@ -27,7 +27,7 @@ def test_the_output_step_does_not_show(method: Method, scene: Scene, times: int)
 
 
 @pytest.mark.parametrize("method", [REFERENCE, THESIS, FIXED_SHAPES, pytest.param(EXUDYN, marks=pytest.mark.verify), MUJOCO], ids=str)
-@for_all(few=4, many=25, scene=scenes(), share=st.floats(0.1, 0.9))
+@for_all(few=3, many=25, scene=scenes(), share=st.floats(0.1, 0.9))
 def test_pieces_do_not_show(method: Method, scene: Scene, share: float) -> None:
     first = max(1, int(share * scene.rows))
     simulation = method.engine.prepare(scene.mechanism, scene.start, method.settings)

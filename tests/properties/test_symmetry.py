@@ -89,23 +89,23 @@ def check_image(method: Method, scene: Scene) -> None:
 
 
 @pytest.mark.parametrize("method", [*EXPLICIT, pytest.param(EXUDYN, marks=pytest.mark.verify), MUJOCO], ids=str)
-@for_all(few=4, many=25, scene=scenes())
+@for_all(few=3, many=25, scene=scenes())
 def test_the_mirror_image_moves_like_the_mirror_image(method: Method, scene: Scene) -> None:
     check_image(method, scene)
 
 
 @pytest.mark.parametrize("method", [REFERENCE, pytest.param(EXUDYN, marks=pytest.mark.verify), MUJOCO], ids=str)
-@for_all(few=4, many=25, scene=scenes(tool=True))
+@for_all(few=3, many=25, scene=scenes(tool=True))
 def test_the_mirror_image_with_a_tool_and_a_spring(method: Method, scene: Scene) -> None:
     check_image(method, scene)
 
 
-@for_all(few=4, many=25, scene=scenes(compliant=True))
+@for_all(few=3, many=25, scene=scenes(compliant=True))
 def test_the_mirror_image_with_a_soft_joint(scene: Scene) -> None:
     assert_close(image(COMPLIANT.run(mirrored(scene)).columns), COMPLIANT.run(scene), scene, COMPLIANT, REPEATED["reference"])
 
 
-@for_all(few=6, many=40, scene=scenes(rollers=True))
+@for_all(few=3, many=40, scene=scenes(rollers=True))
 def test_the_mirror_image_with_rollers_exchanged(scene: Scene) -> None:
     """Blows make roundings grow, and the error of the integration alike; a hundredth of the tolerance leaves less than that error."""
     tight = replace(COMPLIANT, settings=COMPLIANT.settings.replaced(tolerance=1e-2 * TOLERANCE))
@@ -116,7 +116,7 @@ def test_the_mirror_image_with_rollers_exchanged(scene: Scene) -> None:
 
 
 @pytest.mark.parametrize("method", [*EXPLICIT, EXUDYN, MUJOCO], ids=str)
-@for_all(few=4, many=25, scene=scenes(), turns=st.sampled_from([1, -1, 3]))
+@for_all(few=3, many=25, scene=scenes(), turns=st.sampled_from([1, -1, 3]))
 def test_whole_turns_of_the_crank_change_nothing(method: Method, scene: Scene, turns: int) -> None:
     """A step that is too large for a scene is so after whole turns, at the same instant."""
     crank = scene.mechanism.crank

@@ -88,7 +88,7 @@ def parsed(scene: Scene, digits: int | None) -> Case:
     return parse_case(written(scene, digits), "scene.toml")
 
 
-@for_all(few=30, many=200, scene=scenes(turning_slider=True) | scenes(compliant=True))
+@for_all(few=10, many=200, scene=scenes(turning_slider=True) | scenes(compliant=True))
 def test_inches_and_si_are_the_same_numbers(scene: Scene) -> None:
     customary = parsed(scene, None)
     # 40 digits leave no doubt about the nearest double

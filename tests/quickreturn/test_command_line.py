@@ -1,6 +1,5 @@
-"""The program from outside: exit codes, one sentence on standard error, JSON alone on standard output, files whole or not at all."""
+"""The program from outside: exit codes, one sentence on standard error, JSON alone on standard output, files whole, and its help."""
 
-import math
 import os
 import re
 import signal
@@ -10,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from quickreturn.command_line import commands
 from tests.quickreturn.conftest import Call
 from tests.quickreturn.input.answers import document, scene, variant
 from tests.quickreturn.program import PROGRAM, descendants, started, wait_until
@@ -70,13 +70,6 @@ def test_show_says_what_an_engine_builds(call: Call) -> None:
     text = call("show", "small.toml").output
     assert "fake: 3 degrees of freedom" in text
     assert re.search(r"length +101\.6 +mm\n", text)
-
-
-def test_modes_in_hertz(call: Call) -> None:
-    answer = call("modes", "small.toml", "--engine", "fake", "--crank-angle", "180", "--count", "2", "--json")
-    # The fake engine adds the crank angle in rad to 10, 20, ... Hz: degrees must have become radians.
-    assert document(answer)["frequencies"] == pytest.approx([10.0 + math.pi, 20.0 + math.pi])
-    assert "13.1416 Hz" in call("modes", "small.toml", "--engine", "fake", "--crank-angle", "180").output
 
 
 def test_unforeseen_error_is_a_sentence_too(call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -142,3 +135,48 @@ def test_frequencies_that_cannot_be_are_the_engines_failure_and_none_is_an_answe
     words, answer = call(*asked), call(*asked, "--json")
     assert (words.code, answer.code, bool(words.output), words.errors.count("\n")) == (code, code, code == 0, int(code == 3))
     assert document(answer)["frequencies"] == [] if code == 0 else "variant" in answer.errors
+
+
+WIDTH = 80
+#: What may follow the last sentence of an option.
+DEFAULT = r" +\[(default: [^\]]+|required)\]"
+
+
+def entries(lines: list[str]) -> list[str]:
+    """The texts of a list of options or commands, each on one line, without the names before them."""
+    column = min(found.end() for line in lines if (found := re.match(r"  \S.*?  +(?=\S)", line)))
+    texts: list[str] = []
+    for line in lines:
+        if line[2] != " ":  # a name stands there
+            texts.append("")
+        texts[-1] = f"{texts[-1]} {line[column:]}".strip()
+    return texts
+
+
+@pytest.mark.parametrize("name", ["", *commands()])
+def test_every_help_text_consists_of_whole_sentences(call: Call, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    monkeypatch.setenv("COLUMNS", str(WIDTH))
+    answer = call(*filter(None, [name]), "--help")
+    assert (answer.code, answer.errors) == (0, "")
+    assert max(map(len, answer.output.splitlines())) <= WIDTH
+    usage, *paragraphs = answer.output.strip().split("\n\n")
+    assert usage.startswith("Usage: quickreturn")
+    assert len(paragraphs) >= 2
+    for paragraph in paragraphs:
+        head, *lines = paragraph.splitlines()
+        texts = entries(lines) if head in ("Options:", "Commands:", "Measures:") else [" ".join(paragraph.split())]
+        for text in texts:
+            assert re.fullmatch(rf"[A-Z].*[^.]\.({DEFAULT})?", text), text
+            assert "..." not in text, text
+    assert "--quiet" in answer.output
+    if name:  # the list of commands has the first sentence of each
+        told = re.split(r"(?<=\.)\s", " ".join(paragraphs[0].split()))[0]
+        assert f"{name} {told}" in " ".join(call("--help").output.partition("Commands:\n")[2].split())
+
+
+def test_help_imports_no_command() -> None:
+    asked = "import sys; from quickreturn.command_line import main; main(['--help']); print('imported', *sys.modules)"
+    loaded = (
+        subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True, check=True).stdout.partition("imported ")[2].split()
+    )
+    assert [name for name in loaded if name.startswith("quickreturn.commands.")] == ["quickreturn.commands.console"]

@@ -172,13 +172,6 @@ def test_simulate_gives_a_table_with_units_and_estimates(place: Path) -> None:
     assert "101 rows from 0 to" in repr(solution.trajectory)
 
 
-def test_settings_are_given_as_they_are_and_an_engine_may_be_ones_own(place: Path) -> None:
-    named = qr.simulate(qr.case("small.toml"), qr.engine("fake"), settings={"step": 0.05})
-    own = qr.simulate("small.toml", FakeEngine(), settings={"step": 0.05, "behaviour": "good"})
-    assert named.settings == own.settings == {"step": 0.05, "behaviour": "good"}
-    assert named.frame.equals(own.frame)
-
-
 def test_lists_are_small_tables_of_things_with_names() -> None:
     found = qr.list_cases("thesis")
     assert [line.name for line in found] == [f"thesis-{run:02d}" for run in range(1, 25)]

@@ -43,23 +43,6 @@ def test_simulate_json(call: Call) -> None:
     assert found["reached"] is True
 
 
-@pytest.mark.parametrize(
-    ("behaviour", "words"),
-    [
-        ("nan", "strain_2 is no longer a finite number"),
-        ("raises", "the engine raised ZeroDivisionError at command_line_fake.py, line "),
-        ("dies", "engine fake: killed by SIGSEGV"),
-        ("hungry", "ran out of memory"),
-    ],
-)
-def test_misbehaving_engine_is_exit_3_with_one_line(call: Call, behaviour: str, words: str) -> None:
-    answer = simulated(call, "--set", f"engine.behaviour={behaviour}", "--json")
-    assert answer.code == 3
-    assert document(answer)["failure"]["cause"] in answer.errors
-    assert words in answer.errors
-    assert answer.errors.count("\n") == 1
-
-
 def test_chatter_of_a_library_does_not_reach_standard_output(call: Call) -> None:
     answer = simulated(call, "--set", "engine.behaviour=prints", "--json")
     assert document(answer)["settings"]["behaviour"] == "prints"

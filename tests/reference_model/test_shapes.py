@@ -4,9 +4,11 @@ import math
 
 import numpy as np
 import pytest
+from numpy.polynomial import legendre
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
+from quickreturn.reference_model.interpolation import integrals_to_points, lagrange_weights
 from quickreturn.reference_model.shapes import ShapeSet, clamped_free_modes, decoupled, hermite_between, hermite_elements, no_shapes
 from quickreturn.reference_model.thesis.parameters import (
     POINTS,
@@ -130,3 +132,27 @@ def test_vibrating_shapes_span_the_same_and_are_orthogonal(shapes: ShapeSet) -> 
     # the lowest is the clamped beam's first mode, from above
     lowest = math.sqrt(5.0 / 0.4) * (wave_number(0) / L) ** 2
     assert lowest <= math.sqrt(squares[0]) * (1.0 + 1e-12) < 1.001 * lowest
+
+
+@pytest.mark.parametrize("count", [1, 7, 15, 31])
+def test_powers_are_integrated_to_round_off(count: int) -> None:
+    points, weights = legendre.leggauss(count)
+    to = integrals_to_points(points, weights)
+    ends = np.append(points, 1.0)
+    for power in range(count):
+        exact = (ends ** (power + 1) - (-1.0) ** (power + 1)) / (power + 1)
+        np.testing.assert_allclose(points**power @ to, exact, rtol=0.0, atol=1e-14)
+
+
+def test_the_last_integral_is_gauss_quadrature() -> None:
+    points, weights = legendre.leggauss(11)
+    np.testing.assert_allclose(integrals_to_points(points, weights)[:, -1], weights, rtol=1e-13)
+
+
+def test_a_smooth_function_is_interpolated_to_round_off() -> None:
+    points, _ = legendre.leggauss(15)
+    at = np.linspace(-0.99, 0.99, 50)
+    value = np.zeros(50)
+    for point, weight in zip(points, lagrange_weights(points), strict=True):
+        value += np.exp(point) * weight * np.prod(at[:, None] - points[points != point], axis=1)
+    np.testing.assert_allclose(value, np.exp(at), rtol=1e-13)

@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from quickreturn.cases.motion.first_mode import FirstMode, fit_first_modes
-from quickreturn.cases.motion.half_cycle import channel_half, half_cycle
 from quickreturn.cases.motion.number import consensus
-from quickreturn.cases.motion.time_scale import TimeScale, time_scale
+from quickreturn.cases.motion.time_scale import TimeScale, channel_half, half_cycle, time_scale
 from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive
 from tests.engines.scenes import INCH, POUND_FORCE, POUND_MASS, run_24
 from tests.verification.synthetic import SyntheticHalf, synthetic_half

@@ -23,8 +23,23 @@ from quickreturn.engines.registry import engine
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import rms, scale
 from tests.slices import Portion
-from tests.verification.accuracy_campaign import ACCURACIES, ANSWER, ENGINES, SEED, Request, Row, campaign, library_scenes, main, scene_rows
-from tests.verification.claims import MARGIN, deliveries, judged, left_out, summary
+from tests.verification.accuracy_campaign import (
+    ACCURACIES,
+    ANSWER,
+    ENGINES,
+    MARGIN,
+    SEED,
+    Request,
+    Row,
+    campaign,
+    deliveries,
+    judged,
+    left_out,
+    library_scenes,
+    main,
+    scene_rows,
+    summary,
+)
 from tests.verification.random_machines import arms_alone, braked_machines, combined_machines, loaded_machines, sensible_machines
 from tests.verification.random_scenes import LARGEST_CONDITION, LARGEST_DEFLECTION, LARGEST_SLIDER_POSITION, Scene, random_scenes
 from tests.verification.row import chapter
@@ -83,7 +98,7 @@ def test_claims_hold(record_property: Callable[[str, object], None], portion: Po
     table, broken = campaign(scenes, Workshop(Store()))
     found, delivered, unknown = summary(table), deliveries(table), left_out(table)
     text = (
-        "Errors over what the engines claim, column by column; truth, scenes and what is judged: accuracy_campaign.py and claims.py in"
+        "Errors over what the engines claim, column by column; truth, scenes and what is judged: accuracy_campaign.py in"
         " tests/verification."
     )
     record_property("chapter", chapter(found, "Claims and errors", text, digits=3))
@@ -199,14 +214,6 @@ def test_deliveries_count_scenes_with_a_claim_in_every_column() -> None:
     assert (line["median solve [s]"], line["median total [s]"]) == (1.0, 3.0)
 
 
-def test_what_is_not_judged_is_listed_once() -> None:
-    table = as_table(
-        row(), row(engine="exudyn", truth_error=1e-3), row(column="strain_2", confirmation=0.5), row(scene="b", condition=99.0)
-    )
-    listed = left_out(table)
-    assert list(zip(listed["scene"], listed["column"], strict=True)) == [("a", "strain_2"), ("b", "strain_1")]
-
-
 def test_claim_that_is_missing_must_say_why_and_must_not_be_reached() -> None:
     check(as_table(row(claim=None, asked="default", remark="because")))
     for bad in (row(claim=None, reached=False), row(claim=None, remark="because")):
@@ -237,11 +244,3 @@ def test_command_line_writes_what_it_computed_and_continues(
     monkeypatch.setattr(LocalProcesses, "run", lambda _, jobs, *__: (pytest.fail("computed again") for _ in jobs))
     assert main(arguments) == 0
     assert (tmp_path / "a.csv").read_bytes() == first
-
-
-def test_chapter_has_a_value_per_column() -> None:
-    found = chapter(as_table(row(remark="x", confirmation=None)), "title", "text")
-    (line,) = found["rows"]
-    assert len(line) == len(found["columns"])
-    assert line[found["columns"].index("reached")] == "yes"
-    assert line[found["columns"].index("confirmation")] is None

@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from quickreturn.engines.base import Refusal
 from tests.verification.literature.rotating_cantilever import cubic_frequency, frequencies, quasi_static_deflection
 from tests.verification.literature.spin_up import PUBLISHED, at_rate, fitted_vibration, manoeuvre, scene, spinning_rod_stretch
 from tests.verification.row import failures
@@ -69,11 +68,6 @@ def test_the_reference_meets_theory_and_print() -> None:
         "mean tip deflection in steady spin",
     ]
     assert not failures(rows)
-
-
-def test_an_engine_without_such_a_model_is_told() -> None:
-    with pytest.raises(Refusal, match=r"^base.spin_up_speed: .* not modelled by engine multiplier; accepted: a scene with \[crank\]"):
-        list(manoeuvre("multiplier"))
 
 
 @pytest.mark.verify

@@ -86,10 +86,6 @@ def check(results: Sequence[CaseResult], record_property: Any) -> None:
     assert len(wrong) <= max(1, TOO_VIOLENT * len(results)), wrong
 
 
-def test_machines_are_the_same_each_time() -> None:
-    assert machines(1) == machines(1)
-
-
 @pytest.mark.verify
 def test_two_hundred_machines_settle_and_engines_agree(record_property: Any, portion: Portion) -> None:
     check(cross_validate(portion(machines(200), DRAWN), Workshop(Store()), ENGINES), record_property)

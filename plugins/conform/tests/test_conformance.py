@@ -18,9 +18,8 @@ from quickreturn.engines.registry import engine
 from quickreturn.engines.simple import SimpleEngine
 from quickreturn.plugins.conform import promises as ladder_checks
 from quickreturn.plugins.conform.bench import FOLLOWERS, Bench, Check, Fault, check_by, first_modelled
-from quickreturn.plugins.conform.columns import examined, relation
+from quickreturn.plugins.conform.columns import check_first_row, examined, motion, relation
 from quickreturn.plugins.conform.contract import GROUPS, conform, failures, repetition
-from quickreturn.plugins.conform.motion import check_first_row, motion
 from quickreturn.plugins.conform.promises import climb, frequencies, ladder, stated_errors
 from quickreturn.plugins.conform.quantities import alone, followed, together, turning, with_everything
 from quickreturn.plugins.conform.scenes import BASE, CHANGES, CHANGES_ALONE, FEATURES

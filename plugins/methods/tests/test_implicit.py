@@ -8,7 +8,7 @@ import pytest
 from quickreturn.cases.library import load_case
 from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import Engine
-from quickreturn.engines.own.beam_engine import BeamSettings
+from quickreturn.engines.own.beam_engine import BeamSettings, compared_integration
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.settings import SettingError, as_texts
 from quickreturn.engines.start import standard_start
@@ -64,7 +64,7 @@ def made(run: _Run, **changes: Any) -> Any:
 def test_the_motion_is_the_explicit_ones_within_the_part_of_the_estimate(name: str) -> None:
     run = RUNS[name]
     explicit, implicit = made(run, tolerance=1e-9, integrator="explicit"), made(run, integrator="implicit")
-    pair = next(pair for pair in run.engine.comparisons(run.settings.replaced(integrator="implicit"), run.scene, 1e-3) if pair.of == "time")
+    pair = compared_integration(run.settings.replaced(integrator="implicit"))[0]
     other = made(run, **pair.other.as_dict())
     for channel in CHANNELS:
         error = relative_error(implicit[channel], explicit[channel])
@@ -96,11 +96,23 @@ def test_the_estimate_names_the_part_of_time() -> None:
 @pytest.mark.parametrize(("tolerance", "others"), [(1e-4, [1e-5, 1e-6]), (5e-11, [5e-12]), (1e-12, [1e-11])])
 def test_the_estimate_compares_with_tolerances_that_are_allowed(tolerance: float, others: list[float]) -> None:
     settings = ReferenceSettings(tolerance=tolerance, integrator="implicit")
-    pair = next(pair for pair in REFERENCE.comparisons(settings, RUN_24, 1e-3) if pair.of == "time")
+    pair = compared_integration(settings)[0]
     found = [pair.other, *([pair.before.other] if pair.before else [])]
     assert [each.as_dict()["tolerance"] for each in found] == pytest.approx(others)
     assert (pair.factor < 1.0) == (pair.other.as_dict()["tolerance"] < tolerance)
-    assert not [pair for pair in REFERENCE.comparisons(settings.replaced(integrator="explicit"), RUN_24, 1e-3) if pair.of == "time"]
+    assert not compared_integration(settings.replaced(integrator="explicit", tolerance=1e-8))
+
+
+def test_more_modes_with_a_tighter_tolerance_show_the_integration_of_reference() -> None:
+    """Eleven modes at 1e-3: nothing but the integration errs."""
+    exact = made(_Run(REFERENCE, ReferenceSettings(modes=12, tolerance=1e-9)))
+    settings = as_texts({"modes": 11, "slowed_to": 0, "tolerance": 1e-3, "integrator": "implicit"})
+    result = simulate(REFERENCE, RUN_24, standard_start(RUN_24), 0.4, 1e-3, settings)
+    assert {part.of for part in result.error_parts["tip"]} == {"modes"}
+    for channel in CHANNELS:
+        estimate, error = result.error_estimates[channel], relative_error(result.trajectory[channel], exact[channel])
+        assert estimate is not None
+        assert 1e-3 < error < estimate < 2.0 * error, channel
 
 
 def test_a_loose_explicit_integration_is_in_the_estimate() -> None:

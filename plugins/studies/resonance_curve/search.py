@@ -17,7 +17,7 @@ from quickreturn.cases.motion.catalogue import ARGUMENT, MEASURES
 from quickreturn.cases.motion.measure import Measure
 from quickreturn.cases.motion.resonance import resonance
 from quickreturn.cases.running.job import Job
-from quickreturn.cases.running.records import Pieces
+from quickreturn.cases.running.store import Pieces
 from quickreturn.engines import progress
 from quickreturn.engines.base import EngineFailure, Refusal
 from quickreturn.engines.error_parts import comparison_by, counted

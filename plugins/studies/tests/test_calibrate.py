@@ -32,7 +32,6 @@ def test_a_parameter_is_found_and_written(call: Call, table: str) -> None:
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        (("--free", "tip.center_of_mass"), "give a range"),
         (("--free", "tip.mas"), "the nearest known one is tip.mass"),
         (("--free", "tip.mass", "--free", "tip.mass"), "give each key once"),
         (("--free", "tip.mass", "--output", "fitted.txt"), ".toml"),

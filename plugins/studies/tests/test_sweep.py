@@ -35,9 +35,10 @@ def test_a_grid_becomes_a_file_with_units(call: Call) -> None:
 
 
 @pytest.mark.parametrize("ending", ["csv", "parquet"])
-def test_tables_have_a_row_for_each_point(call: Call, ending: str) -> None:
-    answer = call(*USUAL, "--no-claims", "--output", f"map.{ending}")
+def test_tables_have_a_row_for_each_point_and_a_picture_beside_them(call: Call, ending: str) -> None:
+    answer = call(*USUAL, "--no-claims", "--output", f"map.{ending}", "--plot", "map.svg")
     assert answer.code == 0, answer.errors
+    assert "<svg" in Path("map.svg").read_text()
     assert "3 points: 3 settled" in answer.output
     table = pd.read_csv("map.csv") if ending == "csv" else pd.read_parquet("map.parquet")
     assert list(table.columns) == [
@@ -63,12 +64,6 @@ def test_where_nothing_can_be_the_code_says_so(call: Call) -> None:
     assert answer.code == 3
     assert "crank.length" in answer.errors
     assert set(pd.read_csv("map.csv")["status"]) == {"loop cannot close"}
-
-
-def test_a_picture_goes_beside_the_table(call: Call) -> None:
-    answer = call(*USUAL, "--no-claims", "--output", "map.csv", "--plot", "map.svg")
-    assert answer.code == 0, answer.errors
-    assert "<svg" in Path("map.svg").read_text()
 
 
 BOTH = ("--engine", "reference", "--engine", "mujoco")

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 import quickreturn as qr
-from quickreturn.plugins.studies.drawing.scatter import scatter_figure
+from quickreturn.plugins.studies.drawing.study import scatter_figure
 from tests.quickreturn.conftest import Call
 from tests.quickreturn.input.answers import refused
 

@@ -28,8 +28,17 @@ from quickreturn.engines.base import EngineFailure, NoSteadyState, Refusal
 from quickreturn.engines.error_parts import comparison_by, counted
 from quickreturn.engines.own.reference import ReferenceSettings
 from quickreturn.engines.trajectory import rms
-from quickreturn.plugins.studies.uncertainty.covariance import LOOSE, best_step, covariance, reach, smooth_part, undetermined
-from quickreturn.plugins.studies.uncertainty.fit import PROBABILITY, Fit, FittedParameter
+from quickreturn.plugins.studies.uncertainty.fit import (
+    LOOSE,
+    PROBABILITY,
+    Fit,
+    FittedParameter,
+    best_step,
+    covariance,
+    reach,
+    smooth_part,
+    undetermined,
+)
 from quickreturn.plugins.studies.uncertainty.parameters import Parameter, changes, distribution
 from quickreturn.plugins.studies.uncertainty.table_model import TableModel
 from quickreturn.table_comparison import AnyTable, as_table

@@ -15,7 +15,7 @@ from quickreturn.cases.files.recorded import RecordedTable
 from quickreturn.engines.base import EngineFailure, NoSteadyState, Refusal
 from quickreturn.engines.trajectory import rms
 from quickreturn.plugins.studies.uncertainty.calibration import Free, Search
-from quickreturn.plugins.studies.uncertainty.covariance import smooth_part
+from quickreturn.plugins.studies.uncertainty.fit import smooth_part
 from quickreturn.plugins.studies.uncertainty.table_model import TableModel
 
 Array = NDArray[np.float64]

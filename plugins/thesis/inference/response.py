@@ -16,12 +16,11 @@ from scipy.interpolate import CubicSpline
 
 from quickreturn.cases.motion.cycle import HALVES
 from quickreturn.cases.motion.first_mode import FirstMode, fit_first_modes
-from quickreturn.cases.motion.half_cycle import channel_half, half_cycle
 from quickreturn.cases.motion.marching import March, output_step, periodic_cycle
 from quickreturn.cases.motion.number import consensus
 from quickreturn.cases.motion.orbit import PeriodicStart
 from quickreturn.cases.motion.settling import Cycle
-from quickreturn.cases.motion.time_scale import CHANNELS, TimeScale, time_scale
+from quickreturn.cases.motion.time_scale import CHANNELS, TimeScale, channel_half, half_cycle, time_scale
 from quickreturn.engines.base import EngineFailure, NoSteadyState, Refusal
 from quickreturn.engines.registry import engine as engine_of_name
 from quickreturn.engines.start import standard_start

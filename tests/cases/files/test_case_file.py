@@ -1,14 +1,15 @@
-"""What stands in a case file arrives where it belongs."""
+"""What stands in a case file, or is changed from outside it, arrives where it belongs, also for the follower alone and a held crank."""
 
 import math
+import re
 
 import pytest
 
-from quickreturn.cases.files.case import parse_case
+from quickreturn.cases.files.case import Case, parse_case
 from quickreturn.cases.files.errors import CaseError
 from quickreturn.cases.library import with_times
-from quickreturn.reference_model.mechanism import TorqueDrive
-from tests.cases.files.scene_texts import SCENE, changed, numbers
+from quickreturn.reference_model.mechanism import PrescribedSpeed, TorqueDrive
+from tests.cases.files.scene_texts import SCENE, changed, message, numbers
 
 
 def test_every_key_arrives_where_it_belongs() -> None:
@@ -123,3 +124,128 @@ def test_a_tolerance_in_a_list_belongs_to_its_place() -> None:
     case = parse_case(SCENE, "scene.toml", {"mechanism.gravity": '["0 m/s^2", "-9.8 m/s^2 +- 0.1 m/s^2"]'})
     assert case.tolerances == {"mechanism.gravity[2]": "-9.8 m/s^2 +- 0.1 m/s^2"}
     assert case.mechanism.gravity == (0.0, -9.8)
+
+
+ALONE = """\
+name = "alone"
+
+[base]
+inertia = "0 kg*m^2"
+damping = "0 N*m*s/rad"
+spin_up_speed = "6 rad/s"
+spin_up_time = "15 s"
+
+[follower]
+length = "10 m"
+mass_per_length = "1.2 kg/m"
+bending_stiffness = "14 kN*m^2"
+thickness = "77 mm"
+width = "5 mm"
+damping = "0 N*s/m^2"
+strain_gauges = ["2.5 m", "5 m", "7.5 m"]
+
+[simulation]
+duration = "1 s"
+output_step = "10 ms"
+"""
+CRANK = SCENE[SCENE.index("[crank]") : SCENE.index("[base]")]
+
+
+def test_a_follower_alone_is_a_scene_of_its_own() -> None:
+    scene = parse_case(ALONE, "alone.toml").scene
+    assert (scene.spin_up.speed, scene.spin_up.time, scene.follower.length, scene.tip) == (6.0, 15.0, 10.0, None)
+    assert scene.gravity == (0.0, 0.0)
+    heavy = parse_case(ALONE.replace("[base]", '[mechanism]\ngravity = ["0 m/s^2", "-9.8 m/s^2"]\n\n[base]'), "alone.toml").scene
+    assert heavy.gravity == (0.0, -9.8)
+
+
+def test_what_needs_a_crank_says_so() -> None:
+    with pytest.raises(CaseError, match=r"^alone: \[crank\]: this case has no crank and no slider, but the command needs them"):
+        _ = parse_case(ALONE, "alone.toml").mechanism
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (ALONE + CRANK, ("base.spin_up_speed", "conflicts with [crank]")),
+        (SCENE.replace(CRANK, ""), ("[crank]", "missing", "base.spin_up_speed and base.spin_up_time")),
+        (ALONE.replace('spin_up_time = "15 s"\n', ""), ("base.spin_up_time", "missing")),
+        (ALONE.replace('spin_up_speed = "6 rad/s"\n', ""), ("base.spin_up_speed", "missing")),
+        (ALONE.replace('"15 s"', '"0 s"'), ("base.spin_up_time", "not positive")),
+        (ALONE + '[slider]\nmass = "1 kg"\n', ("[slider]", "missing [crank]")),
+        (ALONE + '[mechanism]\npivot_distance = "1 m"\n', ("mechanism.pivot_distance", "missing [crank]")),
+        (ALONE.replace('"14 kN*m^2"', '"inf"'), ("follower.bending_stiffness", "base.spin_up_speed")),
+        (SCENE.replace('pivot_distance = "18 in"\n', ""), ("mechanism.pivot_distance", "missing")),
+    ],
+)
+def test_crank_and_spun_up_base_exclude_each_other_in_one_sentence(text: str, words: tuple[str, ...]) -> None:
+    said = message(text)
+    assert all(word in said for word in words), said
+    assert "\n" not in said
+
+
+def test_a_crank_may_be_held() -> None:
+    held = parse_case(
+        SCENE.replace('torque = "10 lbf*in"\n', 'prescribed_speed = "0 rad/s"\n')
+        .replace('damping = "0.60176535 lbf*in*s/rad"\n', "")
+        .replace('initial_speed = "16.617773 rad/s"\n', ""),
+        "held.toml",
+    )
+    assert held.mechanism.crank.drive == PrescribedSpeed(speed=0.0)
+
+
+def override(**texts: str) -> Case:
+    return parse_case(SCENE, "scene.toml", {key.replace("__", "."): text for key, text in texts.items()})
+
+
+def test_overrides_change_what_they_name_and_nothing_else() -> None:
+    plain = parse_case(SCENE, "scene.toml")
+    stiffer = override(follower__bending_stiffness="12 N*m^2")
+    assert stiffer.mechanism.follower.bending_stiffness == 12.0
+    rest = [(a, b) for a, b in zip(numbers(plain), numbers(stiffer), strict=True) if a != b]
+    assert len(rest) == 1
+    assert override(mechanism__gravity='["0 m/s^2", "-1.62 m/s^2"]').mechanism.gravity == (0.0, -1.62)
+    assert override(crank__length='"0.1 m"').mechanism.crank.length == 0.1  # quotes as in the file are understood
+
+
+def test_an_override_can_exchange_the_crank_drive_as_a_whole() -> None:
+    fixed = override(crank__prescribed_speed="10 rad/s")
+    assert fixed.mechanism.crank.drive == PrescribedSpeed(speed=10.0)
+    text = changed('torque = "10 lbf*in"\ndamping = "0.60176535 lbf*in*s/rad"\n', 'prescribed_speed = "9 rad/s"\n')
+    text = text.replace('initial_speed = "16.617773 rad/s"\n', "")
+    kept = override(crank__damping="0.1 N*m*s/rad").mechanism.crank.drive
+    assert kept == TorqueDrive(torque=1.129848290276167, damping=0.1, initial_speed=16.617773)  # the start is as written
+    freed = parse_case(text, "scene.toml", {"crank.torque": "2 N*m", "crank.damping": "0.1 N*m*s/rad"})
+    assert freed.mechanism.crank.drive == TorqueDrive(torque=2.0, damping=0.1, initial_speed=20.0)
+
+
+@pytest.mark.parametrize(
+    ("overrides", "key", "word"),
+    [
+        ({"pivot_distance": "4 in"}, "pivot_distance", "mechanism.pivot_distance"),
+        ({"slider.damping": "2 N*s/m"}, "slider.damping", "nearest"),
+        ({"name": "x"}, "name", "cannot be set"),
+        ({"follower.length": "21 in"}, "follower.length", "pivot_distance + crank.length = 0.5588 m"),
+        ({"follower.length": "15 in"}, "follower.length", "the strain gauge at 0.47625 m outside"),
+        ({"follower.notch_places": ["0 mm"]}, "follower.notch_places", "follower.notch_factors has 0 values"),
+        ({"simulation.output_step": "0.3 s"}, "simulation.output_step", "6.66667 output steps"),
+        ({"mechanism.gravity": "9.81 m/s^2"}, "mechanism.gravity", '["2 in/s^2", "2 in/s^2"]'),  # in the unit of the file
+        ({"follower.notch_factors": "1.8"}, "follower.notch_factors", "a list of strings"),
+        ({"follower.notch_factors": '["180 percent"]'}, "follower.notch_factors", "not a pure number"),
+        ({"crank.wanted_fluctuation": "2 %"}, "crank.wanted_fluctuation", "not a pure number"),
+        ({"follower.wall_thickness": "2 mm"}, "follower.wall_thickness", "follower.wall"),
+        ({"crank.prescribed_speed": "9 rad/s", "crank.damping": "0 N*m*s"}, "crank.prescribed_speed", "crank.damping"),
+    ],
+    ids=str,
+)
+def test_a_mistaken_override_is_told_like_one_in_a_file(overrides: dict[str, str], key: str, word: str) -> None:
+    with pytest.raises(CaseError, match=rf"^overrides: {re.escape(key)}: ") as refused:
+        parse_case(SCENE, "scene.toml", overrides)
+    assert word in str(refused.value)
+
+
+def test_the_example_in_a_message_has_the_units_of_the_file() -> None:
+    metric = SCENE.replace(' in"', ' mm"')
+    for text, unit, others in ((SCENE, "in", "mm, m"), (metric, "mm", "in, m")):
+        with pytest.raises(CaseError, match=f'has no unit; .* such as "2 {unit}" \\(other units: {others}\\)'):
+            parse_case(text, "scene.toml", {"follower.width": "12"})

@@ -10,7 +10,7 @@ from quickreturn.cases.comparison.pair import CONSENSUS, Pair
 from quickreturn.cases.library import case_names, load_case
 from quickreturn.cases.motion.cycle import HALVES
 from quickreturn.cases.motion.time_scale import CHANNELS
-from quickreturn.cases.running.isolation import LocalProcesses
+from quickreturn.cases.running.job import ThisProcess
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.registry import MAIN
@@ -24,7 +24,7 @@ LEAST_RATIO, LARGEST_RATIO = 1.11, 1.16
 
 
 def result_of(name: str, store: Store, engines: tuple[str, ...] = MAIN, accuracy: float | None = None) -> CaseResult:
-    (result,) = cross_validate([load_case(name)], Workshop(store, LocalProcesses(1)), engines, accuracy)
+    (result,) = cross_validate([load_case(name)], Workshop(store, ThisProcess()), engines, accuracy)
     return result
 
 

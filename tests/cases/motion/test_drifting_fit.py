@@ -10,9 +10,8 @@ from scipy.optimize import minimize
 from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.drifting_fit import PRIOR_SCALES, PRIOR_STRENGTH, Fit, Problem, Waves, orthonormal, refined
 from quickreturn.cases.motion.first_mode import DEGREE, FREE_DRIFT, MAIN
-from quickreturn.cases.motion.half_cycle import channel_half, half_cycle, polynomials
 from quickreturn.cases.motion.marching import output_step, periodic_cycle
-from quickreturn.cases.motion.time_scale import time_scale
+from quickreturn.cases.motion.time_scale import channel_half, half_cycle, polynomials, time_scale
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
 

@@ -12,7 +12,7 @@ from scipy.interpolate import CubicSpline
 from quickreturn.cases.library import case_names, load_case
 from quickreturn.cases.motion.cycle import HALVES
 from quickreturn.cases.motion.endings import Ending
-from quickreturn.cases.motion.marching import March, columns_of, output_step, settle, whole_cycles
+from quickreturn.cases.motion.marching import columns_of, output_step, whole_cycles
 from quickreturn.cases.motion.orbit import find_orbit
 from quickreturn.cases.motion.request import FROM_ORBIT, STANDARD, Run, RunRequest
 from quickreturn.cases.motion.steady_state import steady_state
@@ -75,16 +75,6 @@ def found() -> Run:
 def request(name: str, engine_name: str, **changes: Any) -> RunRequest:
     case = load_case(name)
     return RunRequest(mechanism=case.mechanism, duration=0.2, engine=engine_name, **changes)
-
-
-def marched(name: str, settings: dict[str, str]) -> dict[str, Array]:
-    """The last cycle, after marching until settled."""
-    mechanism, reference = load_case(name).mechanism, ReferenceEngine()
-    start = standard_start(mechanism)
-    first = reference.settings_for(1e-3, mechanism).with_texts(settings)
-    (last,), settling = settle(March(reference.prepare(mechanism, start, first), start.crank_speed, output_step(mechanism)))
-    assert settling.settled
-    return last
 
 
 def test_a_run_of_the_reference_is_one_cycle_of_its_orbit(found: Run) -> None:

@@ -49,10 +49,10 @@ def test_the_shaper_settles(arm: str, driven: bool) -> None:
     check(shaper(arm, driven=driven))
 
 
-@pytest.mark.parametrize("driven", [True, pytest.param(False, marks=LATER)])
-@pytest.mark.parametrize("stiffness", [1e3, *(pytest.param(times, marks=LATER) for times in (1.0, 10.0, 1e5))])
-def test_run_24_settles_with_any_stiffness_from_its_own_on(stiffness: float, driven: bool) -> None:
-    check(run_24(stiffness, driven=driven))
+@pytest.mark.verify
+@pytest.mark.parametrize("stiffness", [1.0, 10.0, 1e3, 1e5])
+def test_run_24_settles_at_a_prescribed_speed_with_any_stiffness_from_its_own_on(stiffness: float) -> None:
+    check(run_24(stiffness, driven=False))
 
 
 @pytest.mark.verify

@@ -1,17 +1,18 @@
-"""The mechanism's own time scale and the quasi-static slow part, against other ways to the same numbers."""
+"""The mechanism's time scale, the quasi-static slow part and the modes that a moving slider drags along, against other ways to them."""
 
 import dataclasses
 import math
 
 import numpy as np
 import pytest
+from numpy.polynomial import legendre
 
-from quickreturn.cases.motion.moving_mode import moving_mode
+from quickreturn.cases.motion.moving_mode import LARGEST, moving_mode
 from quickreturn.cases.motion.time_scale import follower_acceleration, quasi_static_strain, quasi_static_tip_acceleration, time_scale
 from quickreturn.engines.exudyn.engine import ExudynEngine
 from quickreturn.engines.exudyn.settings import ExudynSettings
-from quickreturn.reference_model.mechanism import Mechanism
-from quickreturn.reference_model.natural_modes import frozen_crank_modes
+from quickreturn.reference_model.mechanism import Crank, Mechanism, PrescribedSpeed
+from quickreturn.reference_model.natural_modes import frozen_crank_modes, supported_modes
 from quickreturn.reference_model.spring import Spring
 from tests.verification.measures_accuracy import thesis_scene
 
@@ -159,3 +160,51 @@ def test_acceleration_lags_as_the_second_derivative_of_a_drifting_oscillation_do
     found = scale.quadratures["tip_acceleration"](angles)[1:-1:400] * speed / template[1:-1:400]
     assert np.abs(found).max() > 2e-3
     assert found - others == pytest.approx(lag[::400], abs=1e-4)  # second order in e, and differences over 1e-2 of a period
+
+
+ANGLES = np.linspace(0.0, np.pi, 61)
+SIGNS = np.ones((61, 4))  # tip displacements positive, which is continuous on run 24
+
+
+def coupling(mechanism: Mechanism, s: float) -> np.ndarray:
+    """<phi_j, d phi_1/ds> by central differences and quadrature between the kinks, shape (3,)."""
+    step = 1e-5
+    here, ahead, behind = (supported_modes(mechanism, place, 4) for place in (s, s + step, s - step))
+    points, weights = legendre.leggauss(30)
+    spans = [(0.0, s - step), (s - step, s), (s, s + step), (s + step, mechanism.follower.length)]
+    x = np.concatenate([0.5 * (a + b) + 0.5 * (b - a) * points for a, b in spans])
+    w = np.concatenate([0.5 * (b - a) * weights for a, b in spans])
+    ends = np.array([0.0, mechanism.follower.length])
+    change, turn, tip_change = (
+        (ahead.deflection(places, nu)[0] - behind.deflection(places, nu)[0]) / (2.0 * step) for places, nu in ((x, 0), (ends, 1), (ends, 0))
+    )
+    slopes, tip = here.deflection(ends, 1), mechanism.tip
+    found = mechanism.follower.mass_per_length * here.deflection(x) @ (w * change)
+    found += mechanism.base.inertia * slopes[:, 0] * turn[0] + tip.inertia * slopes[:, 1] * turn[1]
+    found += tip.mass * (here.tip_displacement + tip.center_of_mass * slopes[:, 1]) * (tip_change[1] + tip.center_of_mass * turn[1])
+    return np.asarray(found[1:])
+
+
+@pytest.mark.parametrize("stiffness", [np.inf, 5e3])
+@pytest.mark.parametrize("place", [12, 25, 44])
+def test_modes_dragged_along_follow_from_how_the_modes_change(stiffness: float, place: int) -> None:
+    mechanism = dataclasses.replace(RUN_24, slider=dataclasses.replace(RUN_24.slider, joint_stiffness=stiffness))
+    modes = [frozen_crank_modes(mechanism, angle, 4) for angle in ANGLES]
+    dragged = moving_mode(mechanism, ANGLES, modes, SIGNS).dragged[place]
+    here, angle = modes[place], ANGLES[place]
+    s = here.slider_position
+    squares = (2.0 * np.pi * here.frequencies) ** 2
+    rate = mechanism.pivot_distance * mechanism.crank.length * np.sin(angle) / s
+    expected = 2.0 * coupling(mechanism, s) * rate * np.sqrt(squares[0]) / (squares[1:] - squares[0])
+    assert dragged[1:] == pytest.approx(expected, rel=1e-5, abs=1e-8)  # differences over 1e-5 m
+    assert dragged[0] == 0.0
+
+
+def test_a_driven_crank_gives_way_and_a_prescribed_one_does_not() -> None:
+    modes = [frozen_crank_modes(RUN_24, angle, 4) for angle in ANGLES]
+    driven = moving_mode(RUN_24, ANGLES, modes, SIGNS).free_crank
+    assert 0.01 < driven.max() < 0.02  # 1.4 % at the return
+    prescribed = dataclasses.replace(RUN_24, crank=Crank(length=RUN_24.crank.length, drive=PrescribedSpeed(speed=16.0)))
+    assert not moving_mode(prescribed, ANGLES, modes, SIGNS).free_crank.any()
+    massless = dataclasses.replace(RUN_24, crank=dataclasses.replace(RUN_24.crank, mass=0.0, inertia=0.0))
+    assert moving_mode(massless, ANGLES, modes, SIGNS).free_crank.max() == pytest.approx(LARGEST)

@@ -1,7 +1,8 @@
-"""Keys of results: they change with what determines the result, the code among it, and with nothing else."""
+"""Keys of results, which change with what determines the result and nothing else; what a module imports, as the code among it."""
 
 import dataclasses
 import importlib
+import json
 import math
 import pickle
 import subprocess
@@ -18,12 +19,24 @@ from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.solving import frequencies_job
 from quickreturn.cases.running import key
 from quickreturn.cases.running.job import Job, Limits
-from quickreturn.cases.running.key import ONLY_TALK, code_fingerprint, code_of, hash_of, key_of, sources_of
+from quickreturn.cases.running.key import (
+    ONLY_TALK,
+    code_fingerprint,
+    code_of,
+    hash_of,
+    imported_modules,
+    key_of,
+    modules_in,
+    names_imported,
+    source_of,
+    sources_of,
+)
 from quickreturn.engines.plugins import plugins
 from quickreturn.plugins.studies.sweep import grid
 from quickreturn.plugins.studies.sweep.rows import MeasureRequest
 from tests.engines.fake_engine import FakeEngine
 from tests.engines.scenes import run_24
+from tests.package_copy import ROOT
 
 
 @pytest.fixture
@@ -115,7 +128,7 @@ plugins.studies.resonance_curve.search.resonance_curve: cases.files.document cas
     not cases.comparison.engines
 plugins.methods.race.raced: plugins.methods.search plugins.methods.asked plugins.methods.truth, not plugins.methods.studies
 plugins.methods.truth.truth_of: plugins.methods.truth plugins.methods.row, not plugins.methods.search cases.comparison.engines
-plugins.thesis.inference.response.respond: cases.motion.half_cycle cases.motion.marching, not cases.comparison.engines
+plugins.thesis.inference.response.respond: cases.motion.time_scale cases.motion.marching, not cases.comparison.engines
 """.strip().replace("\n    ", " ")
 
 
@@ -127,7 +140,7 @@ def test_the_key_of_a_stored_job_has_what_it_uses_and_not_what_only_talks(line: 
     assert callable(getattr(importlib.import_module(module), function))
     sources = sources_of(module)
     assert {f"quickreturn.{each}" for each in used} <= sources.keys()
-    assert {"quickreturn.reference_model.model", "quickreturn.engines.own.reference", "quickreturn.cases.running.records"} <= sources.keys()
+    assert {"quickreturn.reference_model.model", "quickreturn.engines.own.reference", "quickreturn.cases.running.store"} <= sources.keys()
     assert not {f"quickreturn.{each}" for each in others} & sources.keys()
     assert not {"quickreturn.cases.running.display", "quickreturn.engines.progress", "quickreturn.cases.files.shown"} & sources.keys()
 
@@ -197,3 +210,84 @@ def test_key_does_not_depend_on_the_order_of_names_or_on_the_process() -> None:
 def test_key_refuses_what_has_no_canonical_form() -> None:
     with pytest.raises(TypeError, match="object has no canonical form"):
         hash_of({"a": object()})
+
+
+SOURCE = '''"""A docstring.
+
+from the model import nothing.
+"""
+from typing import TYPE_CHECKING, Final
+import quickreturn.a, quickreturn.b as b  # why
+from quickreturn.c import (
+    d,  # with (brackets
+    e as f,
+)
+
+if TYPE_CHECKING:
+    from quickreturn.types_alone import T
+
+    from quickreturn.more_types import U
+FIND: Final = "quickreturn.quoted.one:function"
+
+def function() -> None:
+    from quickreturn.inside import g
+    print(g, "the text quickreturn.not_a_name is longer")
+'''
+
+
+def test_imports_are_read_from_a_source() -> None:
+    at_the_head = {"quickreturn.a", "quickreturn.b", "quickreturn.c", "quickreturn.c.d", "quickreturn.c.e"}
+    found = {name for name in names_imported(SOURCE) if name.startswith("quickreturn")}
+    assert found == at_the_head | {"quickreturn.quoted.one", "quickreturn.inside", "quickreturn.inside.g"}
+
+
+def test_a_relative_import_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"relative import: from \.near import a"):
+        list(names_imported("from .near import a, b\n"))
+
+
+@pytest.fixture
+def find(tmp_path: Path) -> Callable[[str], Path | None]:
+    """Finds the modules of a made-up package."""
+    texts = {
+        "one.py": "from quickreturn.inner.two import value\n",
+        "inner/__init__.py": "import quickreturn.three\n",
+        "inner/two.py": "def f():\n    from quickreturn.one import g\n",
+        "three.py": "",
+        "apart.py": "from quickreturn import one\n",
+    }
+    for name, text in texts.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text)
+
+    def found(module: str) -> Path | None:
+        place = tmp_path.joinpath(*module.split(".")[1:])
+        return next((file for file in (place / "__init__.py", place.with_suffix(".py")) if file.is_file()), None)
+
+    return found
+
+
+def test_modules_are_followed_through_others_and_in_circles(find: Callable[[str], Path | None]) -> None:
+    all_of_one = ["quickreturn.inner", "quickreturn.inner.two", "quickreturn.one", "quickreturn.three"]
+    assert list(imported_modules(["quickreturn.one"], find=find)) == all_of_one
+    assert list(imported_modules(["quickreturn.inner.two"], find=find)) == all_of_one
+    assert list(imported_modules(["quickreturn.apart", "quickreturn.missing"], find=find)) == ["quickreturn.apart", *all_of_one]
+    assert imported_modules(["quickreturn.missing"], find=find) == {}
+
+
+def test_modules_of_each_part_of_the_package_have_their_files() -> None:
+    shapes = source_of("quickreturn.reference_model.shapes")
+    assert shapes.samefile(ROOT / "reference_model/shapes.py")
+    for part in ("reference_model", "engines", "cases", "reports", "derive"):
+        for module, file in modules_in(f"quickreturn.{part}").items():
+            assert source_of(module) == file
+    assert (source_of("numpy"), source_of("quickreturn.missing"), modules_in("quickreturn.missing")) == (None, None, {})
+    assert set(modules_in("quickreturn.record")) == {"quickreturn.record"}
+
+
+@pytest.mark.parametrize("module", ["quickreturn.engines.accurate", pytest.param("quickreturn.reports.report", marks=pytest.mark.verify)])
+def test_python_imports_no_module_that_is_not_found(module: str) -> None:
+    """What Python has imported after an import is among what is found."""
+    asked = f"import json, sys, {module}; print(json.dumps(sorted(name for name in sys.modules if name.startswith('quickreturn.'))))"
+    told = subprocess.run([sys.executable, "-P", "-c", asked], capture_output=True, text=True, check=True).stdout
+    assert set(json.loads(told)) <= set(imported_modules([module]))

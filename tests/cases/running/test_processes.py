@@ -3,11 +3,18 @@
 The jobs are functions of the standard library, so that every worker can import them.
 """
 
+import _thread
+import codecs
+import ctypes
 import operator
 import os
+import resource
 import signal
+import subprocess
+import sys
 import threading
 import time
+from collections.abc import Callable
 from concurrent.futures import Future
 from pathlib import Path
 from typing import Any
@@ -17,6 +24,7 @@ import pytest
 from quickreturn.cases.running import fork_server
 from quickreturn.cases.running.isolation import LocalProcesses, computed, end_waiting, isolated
 from quickreturn.cases.running.job import Job, Limits, Outcome
+from quickreturn.engines.base import EngineFailure
 from tests.cases.running.jobs import GIB, done, gone
 
 
@@ -41,18 +49,6 @@ def test_a_watcher_is_told_how_far_a_job_is_and_nobody_else() -> None:
     assert outcome.completed
     assert seen == [("job", "None"), ("job", "fake, marching"), ("job", "fake, marching, cycle 1"), ("job", "fake, marching, cycle 2")]
     assert done(exec, code).completed
-
-
-def test_one_failing_job_takes_no_other_with_it() -> None:
-    jobs = [Job(f"good {number}", operator.neg, (number,)) for number in range(6)]
-    jobs[1:1] = [
-        Job("dies", os.abort),
-        Job("raises", operator.truediv, (1, 0)),
-        Job("hangs", time.sleep, (3600.0,), limits=Limits(seconds=0.5)),
-    ]
-    outcomes = {outcome.job.name: outcome for outcome in LocalProcesses(3, Limits(seconds=60.0)).run(jobs)}
-    assert [outcomes[f"good {number}"].value for number in range(6)] == [-number for number in range(6)]
-    assert {name for name, outcome in outcomes.items() if outcome.failure} == {"dies", "raises", "hangs"}
 
 
 def brief(name: str, code: str, **changes: Any) -> Job[Any]:
@@ -142,3 +138,107 @@ def test_outcomes_come_as_jobs_end(tmp_path: Path) -> None:
     assert next(outcomes).job.name == "quick"
     (tmp_path / "go").touch()
     assert [(outcome.job.name, outcome.failure) for outcome in outcomes] == [("slow", "")]
+
+
+RAISE = codecs.strict_errors  # raises whatever exception it is given
+
+
+def test_a_time_limit_of_years_is_one() -> None:
+    assert done(operator.add, 2, 3, limits=Limits(seconds=1e9)).value == 5
+
+
+def test_large_value_comes_back() -> None:
+    # Larger than any pipe's buffer, so that it takes many reads.
+    assert len(done(operator.mul, b"x", 5_000_000).value) == 5_000_000
+
+
+def test_exception_comes_back_as_what_it_was() -> None:
+    outcome = done(operator.truediv, 1, 0)
+    assert not outcome.completed
+    assert outcome.failure == "raised ZeroDivisionError: division by zero"
+    assert isinstance(outcome.error, ZeroDivisionError)
+    assert "Traceback" in outcome.output
+
+
+def test_engine_failure_keeps_time_cause_and_advice() -> None:
+    outcome = done(RAISE, EngineFailure(0.25, "the beam snapped", "try another beam"))
+    assert (outcome.error.time, outcome.error.cause, outcome.error.advice) == (0.25, "the beam snapped", "try another beam")
+
+
+@pytest.mark.parametrize(
+    ("function", "arguments", "failure"),
+    [
+        (os._exit, (7,), "ended without a result (exit code 7)"),
+        (os._exit, (0,), "ended without a result (exit code 0)"),
+        (sys.exit, ("enough",), "raised SystemExit: enough"),
+        (signal.raise_signal, (signal.SIGSEGV,), "killed by SIGSEGV"),
+        (ctypes.string_at, (0,), "killed by SIGSEGV"),
+        (os.abort, (), "killed by SIGABRT"),
+        (signal.raise_signal, (signal.SIGKILL,), "killed by SIGKILL (by the user, or by the system for lack of memory)"),
+        (_thread.allocate_lock, (), "raised TypeError: cannot pickle '_thread.lock' object"),
+    ],
+)
+def test_death_is_named(function: Callable[..., Any], arguments: tuple[Any, ...], failure: str) -> None:
+    assert done(function, *arguments).failure == failure
+
+
+def test_function_that_the_worker_cannot_import_is_a_failure_of_the_job() -> None:
+    module = type(sys)("no_such_module_in_the_worker")
+    exec("def work(): pass", module.__dict__)
+    sys.modules[module.__name__] = module
+    try:
+        outcome = done(module.work)
+    finally:
+        del sys.modules[module.__name__]
+    assert outcome.failure == "raised ModuleNotFoundError: No module named 'no_such_module_in_the_worker'"
+
+
+@pytest.mark.parametrize("words", ["Error: engine error: Could not allocate memory", "std::bad_alloc", "Unable to allocate 2 GiB for it"])
+def test_a_library_that_gets_no_memory_is_named_as_such(words: str) -> None:
+    """MuJoCo raises ValueError, which was the author's fault by the message."""
+    outcome = done(exec, f"raise ValueError({words!r})", limits=Limits(memory=GIB))
+    assert outcome.failure == "ran out of memory (memory limit of 1 GiB)"
+    assert isinstance(outcome.error, MemoryError)
+
+
+def test_output_is_caught_and_its_end_kept(capfd: pytest.CaptureFixture[str]) -> None:
+    assert done(print, "hello", "world").output == "hello world"
+    assert done(os.write, 1, b"from C").output == "from C"
+    assert done(print, "x" * 1_000_000 + "end").output.endswith("xxxend")
+    assert capfd.readouterr() == ("", "")
+
+
+def test_workers_compute_with_one_thread() -> None:
+    assert done(os.getenv, "OMP_NUM_THREADS").value == "1"
+    assert done(os.getenv, "NUMBA_NUM_THREADS").value == "1"
+
+
+def test_job_that_cannot_be_started_is_named_and_the_next_one_runs() -> None:
+    """As many files are open as may be."""
+    done(len, ())  # the fork server is there
+    before = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (3, before[1]))
+    try:
+        outcome = done(len, ())
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, before)
+    assert outcome.failure == "could not be started ([Errno 24] Too many open files)"
+    assert done(len, ()).completed
+
+
+def test_worker_is_the_first_to_go_where_memory_is_short() -> None:
+    assert done(exec, "print(open('/proc/self/oom_score_adj').read())").output == "500"
+
+
+def test_last_words_of_a_process_that_died() -> None:
+    dying = done(exec, "import os; os.write(2, b'terminate called\\n  what(): bad alloc\\n'); os.abort()")
+    assert dying.explanation == 'killed by SIGABRT (its last words: "what(): bad alloc")'
+    assert done(operator.truediv, 1, 0).explanation == "raised ZeroDivisionError: division by zero"
+
+
+@pytest.mark.verify
+def test_the_quick_tests_of_this_file_pass_where_each_process_starts_afresh() -> None:
+    """As on systems other than Linux."""
+    run = [sys.executable, "-P", "-m", "pytest", "-n", "0", "-q", __file__]
+    done = subprocess.run(run, env={**os.environ, "QUICKRETURN_START_METHOD": "spawn"}, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout

@@ -1,19 +1,26 @@
-"""The Exudyn engine against the numbers known of run 24, conservation laws and closed forms."""
+"""The Exudyn engine against the numbers known of run 24, conservation laws and closed forms, and which of its modules is loaded."""
 
 import dataclasses
 import math
+import os
+import subprocess
+import sys
 
 import numpy as np
 import pytest
 
 from quickreturn.cases.library import load_case
 from quickreturn.engines.base import EngineFailure, Refusal
+from quickreturn.engines.exudyn.cable import Cable, Kink
+from quickreturn.engines.exudyn.construction import LONGEST, LONGEST_TURN, longest_stretch
 from quickreturn.engines.exudyn.engine import ExudynEngine
 from quickreturn.engines.exudyn.settings import ExudynSettings
+from quickreturn.engines.registry import engine
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.start_state import reconstruct
-from quickreturn.engines.trajectory import REQUIRED, Trajectory, join
-from quickreturn.reference_model.mechanism import PrescribedSpeed
+from quickreturn.engines.trajectory import REQUIRED, Trajectory, join, relative_error
+from quickreturn.engines.units import Units
+from quickreturn.reference_model.mechanism import PrescribedSpeed, TorqueDrive
 from quickreturn.reference_model.tip import Tip
 from tests.engines.energy import imbalance
 from tests.engines.exudyn.runs import arm, bent_start, errors_of, simulate
@@ -164,3 +171,99 @@ def test_force_of_the_joint_is_there_beside_a_large_axial_stiffness():
     mechanism = arm(0.65, 25.0, 0.087, 1.06, 16.0, Tip(mass=0.45, inertia=1.1e-3))
     errors = errors_of(mechanism, 2.0, 5, elements=12, step=2.5e-4, newton_tolerance=1e-6)
     assert errors["slider_force"] < 1e-5  # measured 2.6e-6, and 6.4e-5 by the residual
+
+
+@pytest.mark.verify
+def test_damping_acts_relative_to_the_turning_base_however_far_the_beam_bends():
+    """Against the reference, whose damping is relative to the base frame by its equations; the beam bends by a third of its length."""
+    soft = run_24(follower={"bending_stiffness": 0.1 * run_24().follower.bending_stiffness})
+    converged = engine("reference")
+    settings = converged.settings_for(1e-4, soft).with_texts({"modes": "11", "tolerance": "1e-9"})  # 3e-5 from 13 modes
+    truth = converged.prepare(soft, standard_start(soft), settings).advance(0.3, 1e-3)
+    assert np.abs(truth["tip_deflection"]).max() > 0.2  # m
+    found = simulate(soft, 0.3, elements=24, step=2.5e-4)
+    # 1.0e-4, as without any damping: elements and step; 7.9e-4 with dampers that are tied to points fixed in the base body
+    assert relative_error(found["tip_deflection"], truth["tip_deflection"]) < 2e-4
+    coarse = simulate(soft, 0.3, output_step=1e-2, elements=24, step=2.5e-4)
+    # the dampers' points follow every millisecond here, too; Newton's iteration leaves 1e-6
+    assert relative_error(coarse["tip_deflection"], found["tip_deflection"][::10]) < 1e-5
+
+
+def test_damping_leaves_the_turning_of_a_fast_arm_alone():
+    """An arm of 9 cm at 380 rpm, its bending damped as by 77 /s: an arm whose whole velocity is braked is bent by that."""
+    errors = errors_of(arm(0.09, 27.0, 6e-3, 40.0, 77.0), 0.16, 7, elements=12, step=1.25e-4)
+    assert errors["tip_deflection"] < 1e-4  # measured 3.0e-5, and 2.0e-4 with points carried on along their tangents
+    assert errors["strain_1"] < 1e-4
+
+
+def test_dampers_are_moved_before_they_turn_far():
+    """In units of the scene's own, in which a crank that keeps its speed turns by about a radian in a unit of time."""
+    assert longest_stretch(Units.of(run_24()).scene(run_24())) == LONGEST
+    hurried = run_24(crank={"drive": TorqueDrive(torque=20.0, damping=0.1, initial_speed=10.0)})
+    units = Units.of(hurried)
+    assert longest_stretch(units.scene(hurried)) == pytest.approx(LONGEST_TURN / 200.0 / units.time)
+    assert longest_stretch(run_24(crank={"drive": PrescribedSpeed(speed=0.0)})) == LONGEST
+
+
+LOADED = """
+import sys
+import quickreturn.engines.exudyn.simulation
+print(*(name for name in sys.modules if name.startswith("exudyn.exudynCPP") and name.count(".") == 1))
+"""
+
+
+def loaded(before: str = "", **environment: str) -> str:
+    """What a process prints that loads the engine after the statement `before`: the compiled modules, if nothing else prints."""
+    inherited = {name: value for name, value in os.environ.items() if name != "EXUDYN_MODULE"}
+    command = [sys.executable, "-c", f"{before}\n{LOADED}"]
+    return subprocess.run(command, env=inherited | environment, capture_output=True, text=True, check=True).stdout.strip()
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="processors are told apart by what Linux says of them")
+def test_the_module_without_range_checks_is_loaded_where_the_processor_can() -> None:
+    with open("/proc/cpuinfo") as processors:
+        name = "exudynCPPfast" if "avx2" in processors.read() else "exudynCPP"
+    assert loaded() == f"exudyn.{name}"
+
+
+def test_who_chooses_a_module_keeps_it() -> None:
+    assert loaded("import sys; sys.exudynFast = False") == "exudyn.exudynCPP"
+    assert loaded("import exudyn") == "exudyn.exudynCPP"
+    assert loaded(EXUDYN_MODULE="checked") == "exudyn.exudynCPP"
+
+
+@pytest.mark.parametrize("x", [0.0, 0.02, 0.1, 0.33, 0.5, 0.999, 1.0])
+def test_curvature_is_of_third_order_anywhere_and_better_inside(x):
+    """The plane curve r = (x, x³/3 - x⁵/20), given exactly at the nodes."""
+    slope = x**2 - x**4 / 4
+    exact = (2 * x - x**3) / (1 + slope**2)
+    errors = []
+    for elements in (16, 32):
+        cable = Cable(1.0, elements, 1.0, 1.0, 1.0)
+        nodes = cable.nodes
+        q = np.column_stack([nodes, nodes**3 / 3 - nodes**5 / 20, np.ones_like(nodes), nodes**2 - nodes**4 / 4])[None]
+        errors.append(abs(cable.curvatures(q, np.array([[x]]))[0, 0] - exact))
+    h = 1 / 16
+    # inside, r'' is exact to the fifth degree and between nodes the slope is the cubic's, third order with a small factor;
+    # in the first and last element r'' at the very end errs by a twelfth of h³ times the fifth derivative
+    assert errors[0] < (h**3 / 100 if h < x < 1 - h else h**3)
+    assert errors[1] < max(1e-9, errors[0] / 5)
+
+
+@pytest.mark.parametrize("x", [0.05, 0.33, 0.5, 0.512])
+@pytest.mark.parametrize("place", [0.5, 0.515, 0.53, 0.9])
+def test_curvature_has_the_kink_of_a_point_force(x, place):
+    """The line of the test above with a jump in its third derivative, given exactly at the nodes, and kinks in rows of their own."""
+    jump, beyond = 3.0, max(0.0, x - place)
+    bent, slope = 2 * x - x**3 + jump * beyond, x**2 - x**4 / 4 + jump * beyond**2 / 2
+    exact = bent / (1 + slope**2)
+    cable = Cable(1.0, 32, 1.0, 1.0, 1.0)
+    nodes, kinks = cable.nodes, np.array([place, 0.8])
+    levers = np.maximum(0.0, nodes - kinks[:, None])
+    lines = nodes**3 / 3 - nodes**5 / 20 + jump * levers**3 / 6, nodes**2 - nodes**4 / 4 + jump * levers**2 / 2
+    q = np.stack([np.broadcast_to(nodes, levers.shape), lines[0], np.ones_like(levers), lines[1]], axis=2)
+    kink = Kink(kinks, np.array([[0.0, jump], [0.0, jump]]))
+    places = np.full((1, 2), x)
+    found, rounded_off = (cable.curvatures(q, places, *known)[0, 0] - exact for known in ((kink,), ()))
+    assert abs(found) < 1e-4 * abs(exact)  # the slope, a cubic's, misses 2e-5 of it at most
+    assert abs(rounded_off) > 10 * abs(found) or abs(x - place) > 2 / 32

@@ -1,23 +1,15 @@
 """Recorded results: what is written is read back, and what is recorded comes out again."""
 
 import dataclasses
-import json
 import os
-from functools import cache
 from pathlib import Path
 
 import pytest
 
 from quickreturn import record as recording
-from quickreturn.cases.library import load_case
 from quickreturn.cases.running.job import Outcome
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
-from quickreturn.engines.one_run import run_once
-from quickreturn.engines.registry import engine
-from quickreturn.engines.settings import as_texts
-from quickreturn.engines.start import standard_start
-from quickreturn.engines.trajectory import Trajectory, relative_error
 from quickreturn.plugins.conform.contract import Check, Conformance, job
 from quickreturn.plugins.conform.records import ConformanceRow, verdicts
 from quickreturn.plugins.methods import studies as of_methods
@@ -28,7 +20,6 @@ from quickreturn.plugins.methods.studies import Fronts, recorded
 from quickreturn.plugins.methods.tests.made_up_map import made_up_map
 from quickreturn.plugins.methods.tests.made_up_races import made_up_race
 from quickreturn.plugins.methods.tests.pages import one_run
-from quickreturn.plugins.methods.truth import TRUTH
 from quickreturn.record import main
 from quickreturn.reports import long_studies
 from quickreturn.reports.long_studies import About, table, text_of
@@ -37,8 +28,6 @@ from tests.reports import pages
 
 #: Bytes of all recorded tables together; a scene of the race takes some 25,000, of which there are five.
 MOST = 250_000
-#: Cells that are computed anew: scene, engine, and which of its recorded settings, counted from the quickest.
-CELLS = [("thesis-24", "reference", 0), ("thesis-24", "thesis", 0), ("thesis-24", "mujoco", 0)]
 
 
 def test_what_is_written_is_read_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -135,21 +124,3 @@ def test_the_recorded_tables_are_small_and_say_how_they_were_made() -> None:
     assert any(made)
     assert all(each.date and each.versions and each.commit for each in made if each)
     assert bool(recorded("benchmark")) == (long_studies.about("benchmark") is not None)
-
-
-@cache
-def solved(case: str, name: str, settings: str) -> Trajectory:
-    """One run of a scene of the benchmark; the settings as JSON."""
-    scene, chosen = load_case(case), engine(name)
-    used = chosen.settings_type().with_texts(as_texts(json.loads(settings)))
-    return run_once(chosen, scene.mechanism, standard_start(scene.mechanism), scene.duration, scene.output_step, used).trajectory
-
-
-@pytest.mark.parametrize(("case", "name", "rank"), CELLS)
-def test_a_recorded_cell_comes_out_again(case: str, name: str, rank: int) -> None:
-    (found,) = (each for each in recorded("benchmark") if each.case == case)
-    rows = sorted((row for row in found.given if row.method == name and row.completed), key=lambda each: each.seconds)
-    truth = solved(case, TRUTH[0], json.dumps(TRUTH[1]))
-    again = solved(case, name, json.dumps(rows[rank].settings))
-    # recorded with four digits; the rest is what another machine's rounding may do to adaptive steps
-    assert relative_error(again["tip_deflection"], truth["tip_deflection"]) == pytest.approx(rows[rank].error, rel=1e-3)

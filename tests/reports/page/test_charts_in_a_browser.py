@@ -153,19 +153,6 @@ def test_curves_that_lie_on_each_other_are_all_seen_in_their_own_colours(opened:
 
 
 @pytest.mark.verify
-def test_a_chart_changes_over_to_the_deflection_alone(opened: Open) -> None:
-    page = opened("#at=0&chapter=methods&section=methods-thesis-24")
-    choices = page.locator("#methods-thesis-24 .choices")
-    first, second = choices.locator(".drawn").all()
-    for name, shown, other in (("worst of four", first, second), ("deflection alone", second, first), ("worst of four", first, second)):
-        choices.get_by_role("radio", name=name).check()
-        shown.locator(".chart").wait_for()
-        assert shown.is_visible()
-        assert not other.is_visible()
-        assert len(shown.screenshot()) > 5000
-
-
-@pytest.mark.verify
 def test_a_chart_is_taken_away_as_it_is_seen(opened: Open) -> None:
     page = opened("#at=0&chapter=methods&section=methods-thesis-24")
     with page.expect_download() as waited:

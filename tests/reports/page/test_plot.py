@@ -1,17 +1,23 @@
-"""Plots of the page as data: they show what the results say, and every name in them has a look."""
+"""Plots of the page as data, the drawing's joint and force among them: they show what the results say, and every name has a look."""
 
 import json
+import math
 import re
+from typing import Any
+
+import pytest
 
 from quickreturn.engines.registry import MAIN
 from quickreturn.plugins.methods.tests.made_up_races import made_up_fronts
 from quickreturn.plugins.methods.tests.pages import of_studies
+from quickreturn.reference_model.slider import Slider
 from quickreturn.reports.line_styles import looks
 from quickreturn.reports.page.chapter import Plot
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.render import report_page
-from quickreturn.reports.page.view import shown_first
+from quickreturn.reports.page.view import _scene, shown_first
 from quickreturn.reports.words import QUANTITY
+from tests.engines.scenes import run_24
 from tests.reports.pages import chapter_of, content_of
 from tests.reports.reported_results import reported_result
 
@@ -70,3 +76,30 @@ def test_no_cell_of_the_page_is_written_as_a_computer_writes_numbers() -> None:
     cells = re.findall(r'<td class=" \w*" data-value="[^"]*">([^<]*)<', page)
     assert len(cells) > 100
     assert [cell for cell in cells if re.search(r"\de[+−-]?\d", cell)] == []
+
+
+DRAWN: dict[str, tuple[Slider, Any]] = {
+    "rigid": (Slider(), None),
+    "linear": (Slider(joint_stiffness=1e4), {"free": False, "soft": [False, False]}),
+    "plus soft": (Slider(joint_stiffness_plus=1e4), {"free": False, "soft": [True, False]}),
+    "minus softer": (Slider(joint_stiffness_plus=4e4, joint_stiffness_minus=1e4), {"free": False, "soft": [False, True]}),
+    "clearance": (Slider(clearance=2e-4), {"free": True, "soft": [False, False]}),
+}
+
+
+@pytest.mark.parametrize("joint", DRAWN)
+def test_rollers_are_drawn_apart_with_clearance_and_dashed_where_softer(joint: str) -> None:
+    slider, drawn = DRAWN[joint]
+    assert _scene(run_24(slider=slider))["rollers"] == drawn
+
+
+def test_the_force_points_its_way_where_it_acts() -> None:
+    """Down from 90 to 270 deg; or against the arm's end, with which it turns."""
+    down = _scene(run_24(tip={"force": (0.0, -5.0), "force_from": 0.5 * math.pi, "force_to": 1.5 * math.pi}))["force"]
+    assert not down["follows"]
+    ways = down["ways"]
+    acting = [at * 360 // len(ways) for at, way in enumerate(ways) if way is not None]
+    assert (acting[0], acting[-1]) == (95, 265)
+    assert {way for way in ways if way is not None} == {-1.571}
+    assert _scene(run_24(tip={"force_following": (-5.0, 0.0)}))["force"] == {"follows": True, "ways": [3.142] * len(ways)}
+    assert _scene(run_24())["force"] is None

@@ -2,20 +2,31 @@
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from quickreturn.cases.files.case import case_of, document_of
+from quickreturn.cases.files.keys import Written
 from quickreturn.cases.library import library_case
 from quickreturn.cases.motion.catalogue import MEASURES, numbers
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.request import RunRequest
 from quickreturn.cases.motion.stability import NOT_CONVERGED
 from quickreturn.cases.motion.steady_state import steady_state
+from quickreturn.cases.running.isolation import STOPPED
+from quickreturn.cases.running.job import Limits, Nobody, Outcome, ThisProcess
+from quickreturn.cases.running.key import key_of
+from quickreturn.cases.running.store import Store
+from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.base import NoSteadyState
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
-from quickreturn.plugins.studies.sweep.rows import LEFT, MeasureRequest, row
+from quickreturn.plugins.studies.sweep import grid as of_grid
+from quickreturn.plugins.studies.sweep.grid import Grid, axis
+from quickreturn.plugins.studies.sweep.rows import LEFT, MeasureRequest, Row, row
+from quickreturn.plugins.studies.sweep.study import study
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.scene_values import changed
@@ -102,12 +113,99 @@ def test_every_measure_has_a_unit_and_a_meaning() -> None:
     assert all(each.unit and each.meaning and each.name == name for name, each in MEASURES.items())
 
 
+ASKED = MeasureRequest(measures=("peak.tip_acceleration", "multiplier"), claims=False)
+
+
+def grid(*axes: str) -> Grid:
+    return Grid(library_case("thesis-24"), tuple(axis(text) for text in axes))
+
+
+def test_values_lie_where_their_place_says(tmp_path: Path) -> None:
+    """Rows go backwards, and the second axis is the one along which they run."""
+    some = grid("tip.mass = 0 g; 25 g", "crank.prescribed_speed = 80 rpm .. 120 rpm : 3")
+    workshop = Workshop(Store(tmp_path), ThisProcess())
+    found = study(some, ASKED, workshop, "down")
+    assert found.values.shape == (1, 2, 3, 2)
+    assert np.all(found.statuses == Ending.SETTLED)
+    assert np.all(np.diff(found.values[0, :, :, 0], axis=1) > 0.0), "a faster crank shakes the tip more"
+    assert np.all(np.diff(found.values[0, :, :, 1], axis=0) > 0.0), "a heavier tip keeps more of a disturbance"
+    before = workshop.store.written
+    again = study(some, ASKED, workshop, "down")
+    assert workshop.store.written == before
+    assert np.array_equal(again.values, found.values, equal_nan=True)
+
+
+class _Dies(ThisProcess):
+    """Loses every job that holds the point at 100 rpm."""
+
+    def run(self, jobs, watch=None):  # type: ignore[no-untyped-def]
+        for outcome in super().run(jobs, watch):
+            lost = any(change["crank.prescribed_speed"].text == "100 rpm" for change in outcome.job.arguments[1])
+            yield Outcome(outcome.job, failure="killed by SIGSEGV") if lost else outcome
+
+
+class _Slow(Nobody):
+    """Stops every job at its time limit, and adds up the time that this takes."""
+
+    limits = Limits(seconds=60.0)
+
+    def __init__(self) -> None:
+        self.spent: list[float] = []
+
+    def run(self, jobs, watch=None):  # type: ignore[no-untyped-def]
+        for each in jobs:
+            self.spent.append((each.limits or self.limits).seconds)
+            yield Outcome(each, failure=f"{STOPPED} of {self.spent[-1]:g} s")
+
+
+@pytest.mark.parametrize(("points", "spent"), [("80 rpm", [60.0]), ("80 rpm .. 120 rpm : 3", [60.0, 20.0, 20.0, 20.0])])
+def test_a_row_that_exceeds_its_time_gets_as_much_again_and_a_single_point_nothing(tmp_path: Path, points: str, spent: list[float]) -> None:
+    executor = _Slow()
+    found = study(grid(f"crank.prescribed_speed = {points}"), ASKED, Workshop(Store(tmp_path), executor))
+    assert executor.spent == spent
+    assert set(found.statuses.flat) == {Ending.FAILED}
+    assert all(f"its process {STOPPED}" in sentence for sentence in found.sentences.flat)
+
+
 @pytest.mark.verify
-def test_the_other_engines_stand_by_the_points() -> None:
-    scenes = [at(90.0), at(120.0), at(150.0)]
-    names = ("peak.tip_acceleration", "peak.slider_force")
-    ours = row(scenes, MeasureRequest(measures=names))
-    for engine in ("mujoco", "exudyn"):
-        other = row(scenes, MeasureRequest(measures=names, engine=engine))
-        assert other.statuses == (Ending.SETTLED,) * 3
-        assert np.all(np.abs(other.values - ours.values) <= other.errors + ours.errors)
+def test_engines_alone_may_vary(tmp_path: Path) -> None:
+    """Each point is computed by its own engine, as in a study of that engine."""
+    workshop, asked = Workshop(Store(tmp_path), ThisProcess()), MeasureRequest(measures=("peak.tip_acceleration",), claims=False)
+    found = study(grid("engine = reference; thesis"), asked, workshop)
+    alone = study(grid("base.friction_torque = 0 N*m"), replace(asked, engine="thesis"), workshop)
+    assert found.values[0, 1, 0] == pytest.approx(alone.values[0, 0, 0], rel=1e-12)
+    assert found.values[0, 0, 0] > 1.02 * found.values[0, 1, 0]
+
+
+def test_equal_machines_that_a_change_makes_different_are_kept_apart() -> None:
+    """A thickness changes the stiffness of a follower that is given by its material, and not that of one that is given by its stiffness."""
+    as_material = library_case("shaper-cutting")
+    as_stiffness = case_of(document_of(as_material))
+    assert as_stiffness.scene == as_material.scene
+    change = [{"follower.thickness": 0.03}]
+    assert key_of(of_grid.job(as_material, change, ASKED)) != key_of(of_grid.job(as_stiffness, change, ASKED))
+
+
+def test_a_point_that_kills_its_process_costs_that_point(tmp_path: Path) -> None:
+    found = study(grid("crank.prescribed_speed = 80 rpm .. 120 rpm : 3"), ASKED, Workshop(Store(tmp_path), _Dies()))
+    assert found.statuses.tolist() == [[Ending.SETTLED, Ending.FAILED, Ending.SETTLED]]
+    assert "killed by SIGSEGV" in found.sentences[0, 1]
+    assert np.isnan(found.values[0, 1]).all()
+    assert np.isfinite(found.values[0, [0, 2]]).all()
+
+
+def test_two_motions_are_flagged_where_the_ways_differ(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A made-up machine that follows one branch up and another one down between its second and fourth point.
+
+    Its multiplier is found to 0.08 from either side, which makes no other motion.
+    """
+
+    def folded(case: object, changes: tuple[dict[str, Written], ...], asked: MeasureRequest) -> Row:
+        speeds = [float(change["crank.prescribed_speed"].text.split()[0]) for change in changes]
+        up = speeds[0] < speeds[-1]
+        values = np.array([[speed if (speed < 4.0) == up or speed in (1.0, 5.0) else 2.0 * speed, 0.5 + 0.08 * up] for speed in speeds])
+        return Row(values, np.full_like(values, 0.01), (Ending.SETTLED,) * len(speeds), ("",) * len(speeds))
+
+    monkeypatch.setattr(of_grid, "measured_row", folded)
+    found = study(grid("crank.prescribed_speed = 1 rpm .. 5 rpm : 5"), ASKED, Workshop(Store(tmp_path), ThisProcess()), "both")
+    assert found.two_motions.tolist() == [False, True, True, True, False]

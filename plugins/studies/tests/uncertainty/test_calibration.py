@@ -20,8 +20,7 @@ from quickreturn.engines.registry import engine
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import rms
 from quickreturn.plugins.studies.uncertainty.calibration import DEFAULT_ERROR, TABLE_ERROR, Free, calibrated
-from quickreturn.plugins.studies.uncertainty.covariance import covariance, reach, smooth_part, undetermined
-from quickreturn.plugins.studies.uncertainty.fit import FittedParameter
+from quickreturn.plugins.studies.uncertainty.fit import FittedParameter, covariance, reach, smooth_part, undetermined
 from quickreturn.plugins.studies.uncertainty.parameters import Parameter, changes
 from quickreturn.plugins.studies.uncertainty.table_model import TableModel
 from quickreturn.reference_model.rigid import crank_pace
@@ -70,25 +69,14 @@ def test_the_model_of_a_table_begins_where_the_table_does(first: float) -> None:
 
 
 @pytest.mark.verify
-def test_the_truth_lies_in_the_region_for_a_table_of_another_engine() -> None:
-    fit = calibrated(BEGUN, noisy(computed("mujoco"), np.random.default_rng(1)), FREE)
-    assert fit.begins
-    assert fit.holds((STIFFNESS, DAMPING))
-    stiffness, damping = fit.found
-    assert stiffness.high - stiffness.low < 0.002 * STIFFNESS
-    assert damping.high - damping.low < 0.1 * DAMPING
-    assert not fit.cannot_tell
-    # what is left is the noise that was put in: its RMS over 2505 numbers is known to 2 %, three standard deviations are 5 % of a column's
-    assert all(abs(share / NOISE - 1.0) < 0.1 for share in fit.left.values())
-
-
-@pytest.mark.verify
 @pytest.mark.parametrize("name", ["mujoco", "exudyn"])
 @pytest.mark.parametrize("memory", [0.0, 0.8])
 def test_the_truth_lies_in_the_region_in_95_of_100_trials(name: str, memory: float) -> None:
     columns, trials = computed(name), 40
     fits = [calibrated(BEGUN, noisy(columns, np.random.default_rng(trial), memory), FREE) for trial in range(trials)]
     held = sum(fit.holds((STIFFNESS, DAMPING)) for fit in fits)
+    # what is left is the noise that was put in: its RMS over 2505 numbers is known to 2 %, three standard deviations are 5 % of a column's
+    assert memory > 0.0 or all(abs(share / NOISE - 1.0) < 0.1 for share in fits[0].left.values())
     print(f"{name}, memory {memory}: {held} of {trials}; widened {np.median([fit.widened for fit in fits]):.2f}")
     # 95 % of 40 are 38; of a region that is right 34 or fewer are met in one of 70 such tests
     assert held >= 35

@@ -2,7 +2,7 @@
 
 import pytest
 
-from quickreturn.plugins.thesis.chapters.experiment import _worse, finding, ranges
+from quickreturn.plugins.thesis.chapters.experiment import _worse, finding
 from tests.reports.pages import finding_of, one_run, text_of
 from tests.reports.plotted_results import with_table
 from tests.reports.reported_results import reported_result
@@ -21,11 +21,6 @@ def test_the_heading_is_about_the_runs_of_the_page() -> None:
     assert finding_of(one_run(), "experiment").startswith("No measured waveform survives; simulated strain peaks are ")
     recorded = with_table(reported_result("thesis-24"), "curve.csv", ["strain_2"], {"origin": "digitised"}, of_experiment=True)
     assert finding_of(one_run(recorded), "experiment").startswith("There are recordings; ")
-
-
-def test_engines_with_the_same_range_stand_together() -> None:
-    assert ranges(STRAIN) == RANGES
-    assert ranges({"a": [1.0, 2.0]}) == "1.00 to 2.00 (a)"
 
 
 @pytest.mark.parametrize(("cubic", "converged", "worse"), [(1.0, 2.0, True), (2.0, 1.0, False)])
