@@ -102,7 +102,7 @@ def followed(bench: Bench, scene: Scene, change: Change, skipped: frozenset[str]
     share = float(shown @ due / (due @ due))
     off, left, beyond = rms(shown - due) / rms(due), rms(shown - share * due) / rms(due), beyond_claims(bench, motions, names)
     limit, rest = (_OFF, UNEXPLAINED * off) if bench.claims else (_OFF_UNCLAIMED, _LEFT * abs(share))
-    words = f"{share:.3g} times the right effect of {change.name}, and {100.0 * left:.3g} % of it beside"
+    words = f"{round(share, 3) or 0.0:.3g} times the right effect of {change.name}, and {100.0 * left:.3g} % of it beside"
     if beyond or rms(shown) <= _NONE * rms(due) or (off > limit and left <= rest):
         raise Fault(words)
     if beyond is None and off > limit:

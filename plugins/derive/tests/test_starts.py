@@ -85,15 +85,20 @@ def test_a_four_bar_closes_in_the_way_that_its_guess_is_near(seed: int) -> None:
     along = (0.9**2 - 0.8**2 + c**2) / (2.0 * c)
     joints = [pin + chord / c * (along + side * 1j * np.sqrt(0.9**2 - along**2)) for side in (1, -1)]
     both = np.array([[np.angle(joint - pin), np.angle(joint - 1.0)] for joint in joints])
-    for guess, near in [
-        *((each, False) for each in random.uniform(-2.0, 2.0, (10, 2))),
-        *((b + random.uniform(-0.3, 0.3, 2), True) for b in both),
-    ]:
+    far, near = random.uniform(-2.0, 2.0, (10, 2)), both + random.uniform(-0.3, 0.3, (2, 2))
+    closed = 0
+    for k, guess in enumerate([*near, *far]):
         model.system.coordinates[1:] = [c._replace(guess=g) for c, g in zip(model.system.coordinates[1:], guess, strict=True)]
-        away = np.exp(1j * model.start({"crank": 0.5})[1:3]) - np.exp(1j * both)
-        closest = int(np.argmin(np.max(np.abs(away), axis=1)))
-        assert np.max(np.abs(away[closest])) < 1e-9
-        assert not near or closest == np.argmin(np.max(np.abs(both - guess), axis=1))
+        try:
+            found = model.start({"crank": 0.5})[1:3]
+        except DescriptionError:  # Newton's method may end in no way from a far guess
+            assert k > 1
+            continue
+        away = np.max(np.abs(np.exp(1j * found) - np.exp(1j * both)), axis=1)
+        assert away.min() < 1e-9
+        assert k > 1 or away.argmin() == k
+        closed += 1
+    assert closed > 10
 
 
 def test_an_unstable_equilibrium_has_a_frequency_below_zero() -> None:
