@@ -1,22 +1,16 @@
-"""Differences between engines: case by case, summarised, and their likely causes."""
+"""Differences between engines: case by case, and summarised."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.cases.comparison.engines import REFERENCE, CaseResult
 from quickreturn.cases.comparison.pair import WAVEFORM, Difference, Kind
-from quickreturn.cases.motion.cycle import EXTREMES, HALVES
+from quickreturn.cases.motion.cycle import HALVES
 from quickreturn.cases.motion.marching import channels_of
 from quickreturn.cases.motion.settling import GRID, on_common_grid
-
-#: Distance over the follower's length within which the slider counts as at a gauge: half of one of sixteen elements.
-KINK: Final = 1.0 / 32.0
-#: A difference is marginal if it exceeds its tolerance by less than this part of it.
-MARGINAL: Final = 0.1
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,29 +75,3 @@ def spread(compared: Sequence[Difference]) -> Spread | None:
 def engines_of(results: Sequence[CaseResult]) -> list[str]:
     """Names of all engines in the order of the first case that has them."""
     return list(dict.fromkeys(name for result in results for name in result.runs))
-
-
-def cause(result: CaseResult, check: Difference) -> str:
-    """The likely causes of a departure, as far as the numbers at hand show them (clauses)."""
-    causes = []
-    if check.quantity in EXTREMES and _slider_at_gauge(result, check):
-        causes.append("at this instant the slider passes the gauge, where the curvature has a kink that elements and links round off")
-    missed = [name for name in (check.engine, check.other) if not result.runs[name].computation.reached]
-    causes += [f"{name} does not reach the accuracy asked, by its own estimate" for name in missed]
-    if abs(check.difference) < (1.0 + MARGINAL) * check.tolerance:
-        causes.append(f"marginal: beyond the tolerance by less than {MARGINAL:.0%} of it")
-    return "; ".join(causes) or "not explained by the numbers at hand"
-
-
-def _slider_at_gauge(result: CaseResult, check: Difference) -> bool:
-    """Whether the other engine's extreme of a strain happens while the slider is within `KINK` of the gauge."""
-    follower = result.case.mechanism.follower
-    if check.channel is None or not check.channel.startswith("strain_"):
-        return False
-    cycle = result.runs[check.other].cycle
-    turned = np.abs(cycle["crank_angle"] - cycle["crank_angle"][0])
-    here = turned <= np.pi if check.half == "pre" else turned >= np.pi
-    signal = cycle[check.channel] if check.quantity == "maximum" else -cycle[check.channel]
-    instant = int(np.argmax(np.where(here, signal, -np.inf)))
-    gauge = follower.strain_gauges[int(check.channel[-1]) - 1]
-    return bool(abs(cycle["slider_position"][instant] - gauge) <= KINK * follower.length)

@@ -13,16 +13,15 @@ from PIL import Image
 
 from quickreturn.cases.comparison.campaign import cross_validate
 from quickreturn.cases.library import load_case
+from quickreturn.cases.motion.time_scale import CHANNELS
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.plugins.methods import drawing as methods
 from quickreturn.plugins.methods.studies import recorded
-from quickreturn.plugins.thesis.experiment import printed_ranges
 from quickreturn.reports.drawing import cycle
 from quickreturn.reports.drawing.style import picture
 
-RUN = 24
-CASE = f"thesis-{RUN}"
+CASE = "thesis-24"
 COLOURS = 48  # in the palette: the most frequent ones, so that lines keep their colours; smoothed edges get the nearest
 
 
@@ -30,7 +29,7 @@ def main(folder: Path) -> None:
     """Write the pictures into a folder."""
     (result,) = cross_validate([load_case(CASE)], Workshop(Store()))
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / "run-24.png").write_bytes(png(cycle.draw_cycle(result, printed_ranges(RUN))))
+    (folder / "run-24.png").write_bytes(png(cycle.draw([result], CHANNELS)))
     (folder / "methods.png").write_bytes(png(methods.draw(next(found for found in recorded("benchmark") if found.case == CASE))))
 
 

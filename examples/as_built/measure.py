@@ -1,17 +1,19 @@
 """The constructions of both programs beside a converged solution, as JSON, one line each.
 
-python measure.py [NAME ...]  # all of them, or some
+    python measure.py [NAME ...]  # all of them, or some
+
+error: RMS of the difference of the tip deflection over its RMS; peak, frequency: over the true
+ones, less 1; damping: ratio of the first mode; gap: the largest, m; seconds: processor time of the
+solve; end: when the program lost the motion, s.
 """
 
 import json
 import math
 import sys
-from dataclasses import asdict
 from typing import Any, Final
 
 import numpy as np
 import quickreturn as qr
-from quickreturn.plugins.as_built.chapter import Construction
 
 import exudyn_machines
 import mujoco_machines
@@ -35,26 +37,25 @@ def truth() -> tuple[np.ndarray, float]:
     return run.trajectory["tip_deflection"], frequency
 
 
-def measured(name: str, deflection: np.ndarray, true_frequency: float) -> Construction:
-    """One construction, with three digits of each number."""
+def measured(name: str, deflection: np.ndarray, true_frequency: float) -> dict[str, float]:
+    """The numbers of one construction; `end` alone if the program lost the motion."""
     program, machine = MACHINES[name]
     columns, seconds = program.simulate(machine)
-    end = float(columns["time"][-1])
-    if end < 2.0:
-        return Construction(name, program.PROGRAM, end)
+    if columns["time"][-1] < 2.0:
+        return {"end": float(columns["time"][-1])}
     true = deflection[np.round(1e3 * columns["time"]).astype(int)]
     error = math.sqrt(np.mean((columns["tip_deflection"] - true) ** 2) / np.mean(true**2))
     peak = float(np.abs(columns["tip_deflection"]).max() / np.abs(true).max()) - 1.0
-    frequency = damping = gap = None
+    found = {"error": error, "peak": peak, "seconds": seconds}
     if program is mujoco_machines:
         frequency, damping = program.pluck(machine)
-        frequency, gap = frequency / true_frequency - 1.0, float(columns["constraint_gap"].max())
-    numbers = (error, peak, frequency, damping, gap, seconds)
-    short = (None if each is None else float(f"{each:.3g}") for each in numbers)
-    return Construction(name, program.PROGRAM, end, *short)
+        gap = float(columns["constraint_gap"].max())
+        found |= {"frequency": frequency / true_frequency - 1.0, "damping": damping, "gap": gap}
+    return found
 
 
 if __name__ == "__main__":
     true = truth()
     for name in sys.argv[1:] or MACHINES:
-        print(json.dumps(asdict(measured(name, *true))), flush=True)
+        found = {key: float(f"{each:.3g}") for key, each in measured(name, *true).items()}
+        print(json.dumps({"name": name, "program": MACHINES[name][0].PROGRAM} | found), flush=True)

@@ -37,7 +37,8 @@ class Check:
 
     check: str  # name of the check
     status: Status  # how it ended
-    cause: str = ""  # what is wrong, or why it was not judged; for a passed check a remark, or ""
+    cause: str = ""  # what is wrong, why it was not judged, or that a passed one was refused
+    advice: str = ""  # what to do, by the engine that breaks down
 
 
 @dataclass(frozen=True, repr=False)
@@ -50,7 +51,8 @@ class Conformance(Printable):
 
     def _parts(self) -> Iterator[Cell]:
         yield f"{self.engine}: {self.verdict}"
-        yield Rows([(each.check, each.status, each.cause) for each in self.checks], ("check", "status", "cause"))
+        lines = [(each.check, each.status, "; ".join(filter(None, (each.cause, each.advice)))) for each in self.checks]
+        yield Rows(lines, ("check", "status", "cause"))
 
     @property
     def failed(self) -> tuple[Check, ...]:
@@ -76,10 +78,11 @@ class Unjudged(Fault):
     status: Status = "not judged"
 
 
-def check_by(name: str, look: Callable[..., str | None], *arguments: Any) -> Check:
-    """The check by a function, which raises `Fault` or returns a remark. The engine that it runs may refuse, or raise anything."""
+def check_by(name: str, look: Callable[..., None], *arguments: Any) -> Check:
+    """The check by a function, which raises `Fault`. The engine that it runs may refuse, or raise anything."""
     try:
-        return Check(name, "passed", look(*arguments) or "")
+        look(*arguments)
+        return Check(name, "passed")
     except Refusal as refusal:
         return Check(name, "passed", f"refused: {refusal}")
     except Exception as error:  # an author's engine may raise anything
@@ -93,7 +96,7 @@ def ended(name: str, error: Exception) -> Check:
     if isinstance(error, Refusal):
         return Check(name, "not judged", f"the engine models no scene of a trial: {error}")
     if isinstance(error, EngineFailure):
-        return Check(name, "failed", f"a run breaks down: {error.cause}; {error.advice}")
+        return Check(name, "failed", f"a run breaks down: {error.cause}", error.advice)
     return Check(name, "failed", f"the engine raises {type(error).__name__}{raised_at(error)}: {first_line(error)}")
 
 

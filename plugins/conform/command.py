@@ -30,6 +30,5 @@ def conform(call: Call, engine: str, quick: bool) -> int:
         found = contract.conform(engine, opened.executor, quick=quick)
         if not quick:
             opened.kept(Outcome(contract.job(engine), found))
-    lines = [f"{check.status:10}  {check.check}" + (f": {check.cause}" if check.cause else "") for check in found.checks]
-    call.show(found, "\n".join([*lines, f"{engine}: {found.verdict}"]))
+    call.show(found, repr(found))
     return {True: ExitCode.GOOD, False: ExitCode.CLAIMS_BROKEN, None: ExitCode.ENGINE_TROUBLE}[found.conforms]

@@ -81,7 +81,7 @@ def _each(kind: str, bench: Bench, motion: Motion, changes: Iterable[Change], fe
     yield check_by(f"{kind}with everything on", together, bench, motion.scene, features, frozenset(found.wrong))
 
 
-def followed(bench: Bench, scene: Scene, change: Change, skipped: frozenset[str]) -> str:
+def followed(bench: Bench, scene: Scene, change: Change, skipped: frozenset[str]) -> None:
     """Check that the engine follows a change of a scene, in the columns that are not `skipped`."""
     if not bench.scene.crank_is_free and any(path in OF_TORQUE for path in change.given):
         raise Refusal("a driven crank is not modelled")
@@ -102,12 +102,11 @@ def followed(bench: Bench, scene: Scene, change: Change, skipped: frozenset[str]
     share = float(shown @ due / (due @ due))
     off, left, beyond = rms(shown - due) / rms(due), rms(shown - share * due) / rms(due), beyond_claims(bench, motions, names)
     limit, rest = (_OFF, UNEXPLAINED * off) if bench.claims else (_OFF_UNCLAIMED, _LEFT * abs(share))
-    words = f"{share:.3g} times the right effect of {change.name}, and {100.0 * left:.3g} % of it beside"
+    words = f"{round(share, 3) or 0.0:.3g} times the right effect of {change.name}, and {100.0 * left:.3g} % of it beside"
     if beyond or rms(shown) <= _NONE * rms(due) or (off > limit and left <= rest):
         raise Fault(words)
     if beyond is None and off > limit:
         raise Unjudged(f"coarse, and no claim says how much: {words}")
-    return f"coarse: {words}" if off > UNEXPLAINED else ""
 
 
 def _effect(names: Sequence[str], right: Sequence[Mapping[str, Array]], of: Sequence[Mapping[str, Array]]) -> Array:

@@ -8,7 +8,6 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.plugins.derive.machine_code import rounding
 from quickreturn.plugins.derive.system import System, column
 from quickreturn.plugins.derive.units import DescriptionError, in_si
 
@@ -16,8 +15,10 @@ from quickreturn.plugins.derive.units import DescriptionError, in_si
 _OTHER: Final = (2.3, 1.7, 1.3)
 #: Largest relative difference from rounding when an expression is measured in other units.
 _ROUNDING: Final = 1e-7
-#: Largest difference over the spread that roundings make where terms cancel, as in the gap of a loop that is nearly closed.
+#: Largest difference over the change that changed last digits make where terms cancel, as in the gap of a loop that is nearly closed.
 _CANCELLED: Final = 1e3
+#: Changes that are tried.
+_SAMPLES: Final = 16
 #: Smallest singular value of the normalised inertia and loops at which an acceleration counts as determined.
 _SINGULAR: Final = 1e-12
 #: Least part of a coordinate in an undetermined direction, over the largest, with which a message names it.
@@ -58,12 +59,18 @@ def check_units(system: System) -> None:
         away = np.abs(measured - scaled)
         if not np.any(away > _ROUNDING * np.max(np.abs([measured, scaled]), initial=0.0)):
             continue
-        spread = rounding(evaluate, here) if spread is None else spread
+        spread = _spread(evaluate, here) if spread is None else spread
         if np.any(away > _CANCELLED * spread[rows] * _factor(unit)):  # what is left is no rounding of terms that cancel
             raise DescriptionError(
                 f"units do not fit: the {what} is not in {unit}; look for a sum or a function of different dimensions, or for a plain"
                 " number: constants(NAME=(VALUE, UNIT)) gives it a unit"
             )
+
+
+def _spread(evaluate: ca.Function, here: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The largest change of each output when the inputs change in their last digits."""
+    changed = here[:, None] * (1.0 + np.finfo(float).eps * np.random.default_rng(0).uniform(-1.0, 1.0, (len(here), _SAMPLES)))
+    return np.ptp(np.array(evaluate(changed)).reshape(-1, _SAMPLES), axis=1)
 
 
 def check_points(system: System) -> None:

@@ -1,6 +1,5 @@
 """Evaluates derived equations numerically: finds a start, integrates, and computes the named outputs."""
 
-import warnings
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from numbers import Real
@@ -9,13 +8,11 @@ from typing import Final
 import casadi as ca
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from quickreturn.plugins.derive.checks import check_condition, check_inertia
 from quickreturn.plugins.derive.collocation import CLEAN, MOVED, NODES, Passage
 from quickreturn.plugins.derive.compiled import Array, CompiledEquations, Values
 from quickreturn.plugins.derive.integration import Rates, integrated
-from quickreturn.plugins.derive.machine_code import refuse_nan
 from quickreturn.plugins.derive.singular import Watch
 from quickreturn.plugins.derive.units import DescriptionError, in_si
 
@@ -27,12 +24,6 @@ OPENS: Final = 1e-5
 SMALLEST_PART: Final = 1e-6
 #: Largest change of an angle in a step of that search, rad: longer ones lead to other ways to close the loops.
 TURN: Final = 0.5
-#: Change of an angle (rad) from its guess, or of a length over its guess, that needs no second look.
-NEARBY: Final = 0.3
-#: Other starts from which a nearer way to close the loops is sought.
-TRIALS: Final = 12
-#: Change of an angle from its guess that is told, rad.
-FAR: Final = np.pi / 2
 #: Relative rounding of a potential energy whose parts cancel.
 ROUNDING: Final = 1e-12
 #: Longest step of DOP853 times the rate of the feedback. At 6 the method is unstable; at 5 rates in rows between the ends of a step are off
@@ -78,8 +69,7 @@ class Model(CompiledEquations):
 
         Coordinates and rates that are not given are zero, or follow from the loops.
 
-        Newton's method starts from the guess of each coordinate that a loop gives, and keeps given values. A warning says when the loops
-        could also close nearer to the guess, or an angle is more than 90 degrees from it.
+        Newton's method starts from the guess of each coordinate that a loop gives, and keeps given values.
 
         Raises:
             DescriptionError: an unknown name, or a loop that does not close.
@@ -91,45 +81,7 @@ class Model(CompiledEquations):
         given = [k for loop in self.system.loops for k in loop.gives]
         seek, turn = ([k for k in given if coordinates[k][which] not in values] for which in (0, 1))
         p = self.values(parameters)
-        return (*self._on_loops(self._assembled(q, p, seek) if seek else q, v, p, seek, turn), seek, turn)
-
-    def _assembled(self, guess: Array, p: Array, seek: list[int]) -> Array:
-        """Coordinates that close the loops; warns of an angle far from its guess, and if others are nearer to the guess."""
-        q, gap, G = self._nearest(guess, p, seek)
-        opened, angle, away = float(np.linalg.norm(self.loops(guess, p)[0])), self._angles(seek), np.abs(q - guess)[seek]
-        closes = np.linalg.norm(gap) <= CLOSED * opened
-        if closes and np.all(away <= NEARBY * np.where(angle, 1.0, np.abs(guess[seek]))):
-            return q
-        reach = np.maximum(np.linalg.norm(G[:, seek], axis=0), 1e-300)  # what a coordinate moves
-        random, distance = np.random.default_rng(0), float(np.linalg.norm(reach * away)) if closes else 2.0 * opened
-        others = []
-        for _ in range(TRIALS):
-            begin, way = guess.copy(), random.normal(size=len(seek))
-            begin[seek] += random.uniform() * distance * way / np.linalg.norm(way) / reach
-            if np.all(np.isfinite(self.loops(begin, p)[1])):  # within tables and roots
-                other, gap, _ = self._nearest(begin, p, seek)
-                others += [other] if np.linalg.norm(gap) <= CLOSED * opened else []
-        nearest = min(others, key=lambda each: float(np.linalg.norm(reach * (each - guess)[seek])), default=q)
-        if not closes:
-            q = nearest
-        elif np.linalg.norm(reach * (nearest - guess)[seek]) < 0.9 * distance:
-            self._tell(q, nearest, seek, "could also start nearer to the guess, with {names} = {others} in place of {values}")
-            return q
-        if far := [k for k in seek if self._angles([k])[0] and abs(q[k] - guess[k]) > FAR]:
-            self._tell(q, guess, far, "starts far from the guess, with {names} = {values} in place of {others}")
-        return q
-
-    def _angles(self, which: Sequence[int]) -> NDArray[np.bool_]:
-        """Which of some coordinates are angles."""
-        return np.array([not any(in_si(self.system.coordinates[k].unit)[1]) for k in which], dtype=bool)
-
-    def _tell(self, q: Array, other: Array, which: list[int], sentence: str) -> None:
-        """Warn of coordinates q that may not be meant."""
-        coordinates = [self.system.coordinates[k] for k in which]
-        written = ([f"{x / in_si(c.unit)[0]:.4g} {c.unit}" for x, c in zip(each[which], coordinates, strict=True)] for each in (q, other))
-        values, others = map(", ".join, written)
-        told = sentence.format(names=", ".join(c.name for c in coordinates), values=values, others=others)
-        warnings.warn(f"{self.system.name!r} {told}; give the guess that you mean", stacklevel=4)
+        return (*self._on_loops(q, v, p, seek, turn), seek, turn)
 
     def closed(self, q: Array, v: Array, p: Array, seek: Sequence[int], turn: Sequence[int]) -> Array:
         """State at time 0 for coordinates q and rates v, SI. Coordinates `seek` and rates `turn` (indices) change until the loops close.
@@ -161,7 +113,8 @@ class Model(CompiledEquations):
 
     def _nearest(self, q: Array, p: Array, seek: Sequence[int]) -> tuple[Array, Array, Array]:
         """Coordinates that close the loops, by Newton's method from q, and the gap and its Jacobian there."""
-        part, angle, sizes = 1.0, self._angles(seek), np.array([self.system.coordinates[k].size for k in seek])
+        part, coordinates = 1.0, [self.system.coordinates[k] for k in seek]
+        angle, sizes = np.array([not any(in_si(c.unit)[1]) for c in coordinates], dtype=bool), np.array([c.size for c in coordinates])
         gap, G, _ = self.loops(q, p)
         for _ in range(100):
             step = np.linalg.lstsq(G[:, seek], -gap, rcond=None)[0] if seek else np.zeros(0)
@@ -322,7 +275,7 @@ class Model(CompiledEquations):
         """Check that a state in which the integration begins determines the motion.
 
         Raises:
-            DescriptionError: accelerations are undetermined or lost in rounding, an output is not finite, or code and interpreter differ.
+            DescriptionError: accelerations are undetermined or lost in rounding, or a rate or an output is not finite.
         """
         q = y[: len(self.system.coordinates)]
         G, M, free = self.jacobian(time, q, p)[:, :-1], self.loops(q, p)[2], self.equations.free
@@ -336,8 +289,10 @@ class Model(CompiledEquations):
             solved = M + np.trace(M) / max(float(np.sum(G**2)), 1e-300) * G.T @ G
         check_condition(self.system, solved, free, tolerance)
         x = self.input(time, y, p)
-        self._rates.check(x)
-        refuse_nan(list(self.equations.outputs), np.array(self._outputs(x)).ravel())
+        names, values = [*self._rates.names, *self.equations.outputs], [*self._rates(x), *np.array(self._outputs(x)).flat]
+        for name, value in zip(names, values, strict=True):
+            if not np.isfinite(value):
+                raise DescriptionError(f"{name} is {value} at the start; look for a root of a negative number or a division by zero there")
 
     def observe(self, times: Array, states: Array, p: Array, passages: Sequence[Passage] = ()) -> pd.DataFrame:
         """The outputs of states, shape (times, size of a state), each in its unit.

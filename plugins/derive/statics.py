@@ -66,7 +66,8 @@ class Statics:
     def equilibrium(self, start: Values) -> Rest:
         """Coordinates and outputs at rest under the forces, found from a start by Newton's method.
 
-        No step moves a coordinate by more than its declared size. Warnings say when the rest is unstable, or bends a beam too far.
+        No step moves a coordinate by more than its declared size. A warning says when the rest
+        bends a beam too far. It may be unstable: see `natural_frequencies`.
 
         Raises:
             DescriptionError: no equilibrium is found.
@@ -89,25 +90,12 @@ class Statics:
             force += step[len(moving) :]
             rounding = 1e-14 * np.abs(J) @ np.abs(np.concatenate([q[moving], force]))
             if longest < 1e-12 or np.all(np.abs(lacking) <= rounding):
-                self._tell_if_unstable(G, K)
                 self._model.check_slopes([0.0], q[None], self._model.values(self._parameters))
                 rest = Rest({c.name: float(q[k] / in_si(c.unit)[0]) for k, c in enumerate(system.coordinates)})
                 values, stated = np.array(self._outputs(self._inputs(q, force))).ravel(), self._model.equations.stated
                 rest.outputs = {name: float(x / in_si(unit)[0]) for x, (name, (_, unit)) in zip(values, stated.items(), strict=True)}
                 return rest
         raise DescriptionError(f"no equilibrium of {system.name!r} is found from this start; give one that is nearer, or a spring")
-
-    def _tell_if_unstable(self, G: Array, K: Array) -> None:
-        """Warn of a small motion along which the forces lead away from a rest."""
-        coordinates, moving = self._model.system.coordinates, self._moving
-        sizes = np.array([coordinates[k].size for k in moving])
-        _, singular, right = np.linalg.svd(G[:, moving] * sizes)
-        Z = right[int(np.sum(singular > SINGULAR * np.max(singular, initial=0.0))) :].T * sizes[:, None]
-        stiffness = Z.T @ K[np.ix_(moving, moving)] @ Z
-        values, vectors = np.linalg.eigh(0.5 * (stiffness + stiffness.T)) if Z.size else (np.zeros(1), np.zeros((0, 1)))
-        if values[0] < -ROUNDING * np.max(np.abs(values)):
-            name = coordinates[moving[int(np.argmax(np.abs(Z @ vectors[:, 0]) / sizes))]].name
-            warnings.warn(f"the equilibrium of {self._model.system.name!r} is unstable: {name!r} leaves it", stacklevel=3)
 
     def linearised(self, at: Values) -> Linear:
         """Linear equations for small motions about a configuration at rest; the loops give its other coordinates.

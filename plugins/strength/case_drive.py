@@ -3,9 +3,8 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
-
-import numpy as np
 
 from quickreturn.cases.comparison.engines import REFERENCE, CaseResult
 from quickreturn.cases.files.case import Case
@@ -14,42 +13,21 @@ from quickreturn.cases.motion.catalogue import MEASURES, numbers
 from quickreturn.cases.motion.number import NO_NUMBER, Number
 from quickreturn.cases.motion.request import Run
 from quickreturn.plugins.strength.measures import EXPONENTS, HARMONICS
-from quickreturn.reports.page.chapter import Chapter, Plot, Series
+from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.tables import CASE, Cell, Column, Table
-from quickreturn.reports.words import TIED, degrees, listed, off_by, percent, quantity
+from quickreturn.reports.words import TIED, listed, off_by, percent, quantity
 
-#: Measure -> its name in the page.
-NAMES: Final = {
-    "mean.crank_torque": "mean torque of the drive",
-    "rms.crank_torque": "RMS of the torque",
-    "peak.crank_torque": "largest torque",
-    "mean.drive_power": "mean power of the drive",
-    "rms.drive_power": "RMS of the power",
-    "peak.drive_power": "largest power to the machine",
-    "peak.returned_power": "largest power that comes back",
-    "turn.driven_energy": "energy to the machine in a turn",
-    "turn.returned_energy": "energy that comes back in a turn",
-    "variation.crank_speed": "fluctuation of the crank’s speed",
-    "flywheel.energy": "energy fluctuation of the torque",
-    "flywheel.inertia": "inertia of crank and flywheel for the wanted fluctuation",
-    "turn.pivot_angle": "angle that the bearing P turns in a turn of the crank",
-    **{
-        f"equivalent.{force}.{kind}": f"equivalent load of {where}, {kind} bearing"
-        for force, where in (("pivot_force", "P"), ("crank_force", "O"), ("slider_force", "the slider’s pin"))
-        for kind in EXPONENTS
-    },
-    **{
-        f"torque.harmonic_{order}{end}": f"{part} of harmonic {order} of the torque"
-        for order in range(1, HARMONICS + 1)
-        for end, part in (("", "amplitude"), (".phase", "phase"))
-    },
-}
-#: Number of steps of a closed curve of a bearing's force, and of crank angles that are written at it.
-POINTS: Final = 180
-MARKED: Final = 4
 #: Force -> its bearing.
 BEARINGS: Final = {"pivot_force": "P", "crank_force": "O"}
+#: The measures by which motor, flywheel and bearings are chosen.
+CHOSEN_BY: Final = (
+    *("mean.crank_torque", "rms.crank_torque", "peak.crank_torque", "mean.drive_power", "rms.drive_power", "peak.drive_power"),
+    *("peak.returned_power", "turn.driven_energy", "turn.returned_energy", "variation.crank_speed", "flywheel.energy"),
+    *("flywheel.inertia", "turn.pivot_angle"),
+    *(f"equivalent.{force}.{kind}" for force in (*BEARINGS, "slider_force") for kind in EXPONENTS),
+    *(f"torque.harmonic_{order}{end}" for order in range(1, HARMONICS + 1) for end in ("", ".phase")),
+)
 
 
 @dataclass(frozen=True)
@@ -66,8 +44,13 @@ class CaseDrive:
 
     def numbers(self, engine: str) -> dict[str, Number]:
         """Numbers of an engine by measure; those that the motion has."""
-        found = numbers(self.case.mechanism, self.runs[engine], NAMES)
+        found = numbers(self.case.mechanism, self.runs[engine], CHOSEN_BY)
         return {name: number for name, number in found.items() if not math.isnan(number.value)}
+
+    @cached_property
+    def texts(self) -> dict[str, str]:
+        """The numbers of the leading engine in words."""
+        return {name: text_of(name, number, self.case.units) for name, number in self.numbers(self.lead).items()}
 
 
 def drive_of(result: CaseResult) -> CaseDrive:
@@ -79,14 +62,14 @@ def drive_sentences(drive: CaseDrive) -> list[str]:
     """What motor, flywheel and bearings must bear, by the leading engine; nothing without one."""
     if not drive.lead:
         return []
-    found = drive.numbers(drive.lead)
-    texts = {name: text_of(name, number, drive.case.units) for name, number in found.items()}
-    needed = found.get("flywheel.inertia", NO_NUMBER).value
-    return list(filter(None, (_motor(drive.case, texts), _flywheel(drive.case, texts, needed), _bearings(drive.case, texts))))
+    needed = drive.numbers(drive.lead).get("flywheel.inertia", NO_NUMBER).value
+    return list(
+        filter(None, (_motor(drive.case, drive.texts), _flywheel(drive.case, drive.texts, needed), _bearings(drive.case, drive.texts)))
+    )
 
 
 def text_of(name: str, number: Number, units: Units, *, with_error: bool = False) -> str:
-    """A number of `NAMES` in its unit, 0 if it is zero within its error. The error is relative; in the unit if as large, or of an angle."""
+    """A measure in its unit, 0 if it is zero within its error. The error is relative; in the unit if as large, or of an angle."""
     si, lost = MEASURES[name].unit, abs(number.value) <= number.error
     unit = Unit("%", 0.01) if si == "1" else units.of(si)
     text = f"0{TIED}{unit.sign}" if lost else quantity(number.value, unit)
@@ -126,9 +109,9 @@ def _flywheel(case: Case, texts: Mapping[str, str], needed: float) -> str:
 
 def _bearings(case: Case, texts: Mapping[str, str]) -> str:
     loads = [
-        f"{texts[ball]} {where} ({texts[ball.replace('ball', 'roller')]} with rollers)"
-        for ball, where in (("equivalent.pivot_force.ball", "at P"), ("equivalent.crank_force.ball", "at O"))
-        if ball in texts
+        f"{texts[ball]} at {where} ({texts[ball.replace('ball', 'roller')]} with rollers)"
+        for force, where in BEARINGS.items()
+        if (ball := f"equivalent.{force}.ball") in texts
     ]
     if not loads:
         return ""
@@ -141,29 +124,17 @@ def drive(content: Content) -> Chapter | None:
     cases = [each for each in map(drive_of, content.results if content.is_own else ()) if each.lead]
     if not cases:
         return None
-    sections = [
-        {
-            "title": each.case.title,
-            "flywheel": "" if each.case.mechanism.crank_is_free else drive_sentences(each)[1],
-            "harmonics": harmonics_plot(each),
-            "forces": {bearing: plot for force, bearing in BEARINGS.items() if (plot := force_plot(each, force))},
-        }
-        for each in cases
-    ]
-    facts = {"sections": sections, "table": drive_table(cases), "forces": forces_table(cases)}
+    facts = {"cases": [(each.case.title, drive_sentences(each)) for each in cases], "table": drive_table(cases)}
     return Chapter("drive", "Which motor, which bearings?", finding(cases), facts)
 
 
 def finding(cases: Sequence[CaseDrive]) -> str:
     """Power of the drive, and equivalent loads of ball bearings, of the first machine."""
-    case = cases[0]
-    found = case.numbers(case.lead)
-    mean, most = (text_of(name, found[name], case.case.units) for name in ("mean.drive_power", "peak.drive_power"))
-    loads = {f"equivalent.{force}.ball": bearing for force, bearing in BEARINGS.items()}
-    texts = [f"{text_of(name, found[name], case.case.units)} at {bearing}" for name, bearing in loads.items() if name in found]
-    text = f"{mean} in the mean, {most} at most"
-    text += f"; equivalent loads {' and '.join(texts)}" if texts else ""
-    return f"{case.case.name}: {text}" if len(cases) > 1 else text
+    case, texts = cases[0].case, cases[0].texts
+    loads = [f"{texts[name]} at {bearing}" for force, bearing in BEARINGS.items() if (name := f"equivalent.{force}.ball") in texts]
+    text = f"{texts['mean.drive_power']} in the mean, {texts['peak.drive_power']} at most"
+    text += f"; equivalent loads {' and '.join(loads)}" if loads else ""
+    return f"{case.name}: {text}" if len(cases) > 1 else text
 
 
 def drive_table(cases: Sequence[CaseDrive]) -> Table:
@@ -174,11 +145,11 @@ def drive_table(cases: Sequence[CaseDrive]) -> Table:
         "drive",
         """What motor, flywheel and bearings must bear in a steady turn, by each engine; errors are its own estimate and that by the rows.
         Harmonic n of the torque is A cos(n q₁ − φ), with amplitude A and phase φ, over the crank angle q₁.""",
-        (CASE, Column("quantity", words=NAMES.__getitem__), *columns, Column("unit", in_page=False)),
+        (CASE, Column("quantity", words=lambda name: MEASURES[name].meaning), *columns, Column("unit", in_page=False)),
     )
     for case in cases:
         found = {engine: case.numbers(engine) for engine in case.runs}
-        for name in NAMES:
+        for name in CHOSEN_BY:
             cells: dict[str, Cell] = {}
             for engine, by_measure in found.items():
                 if (one := by_measure.get(name)) and (one.value or one.error):
@@ -188,66 +159,4 @@ def drive_table(cases: Sequence[CaseDrive]) -> Table:
                     }
             if cells:
                 table.add(case=case.case.name, quantity=name, unit=MEASURES[name].unit, **cells)
-    return table
-
-
-def harmonics_plot(case: CaseDrive) -> Plot | None:
-    """Bars of the amplitudes; None where the torque is constant."""
-    series, unit = [], case.case.units.of("N*m")
-    for engine in case.runs:
-        found = case.numbers(engine)
-        amplitudes = {order: one for order in range(1, HARMONICS + 1) if (one := found.get(f"torque.harmonic_{order}"))}
-        texts = [f"harmonic {order}, {quantity(one.value, unit)}" for order, one in amplitudes.items()]
-        sizes = [one.value / unit.size for one in amplitudes.values()]
-        series += [Series(engine, engine, [*amplitudes], sizes, texts, line=False, marked=False, columns=True)] if sizes else []
-    return Plot("drive.csv", "harmonic of the crank’s turn", f"amplitude [{unit.sign}]", series) if series else None
-
-
-def force_plot(case: CaseDrive, force: str) -> Plot | None:
-    """The end of the force's arrow over a turn, by each engine; crank angles are written at the leading engine's. None without forces."""
-    series, unit = [], case.case.units.of("N")
-    for engine, run in case.runs.items():
-        if found := _force(run, force, POINTS + 1):
-            texts = [f"crank at {degrees(a)}, {quantity(math.hypot(x, y), unit)}" for a, x, y in zip(*found, strict=True)]
-            x, y = ((part / unit.size).tolist() for part in found[1:])
-            series.append(Series(engine, engine, x, y, texts, marked=False))
-    if found := _force(case.runs[case.lead], force, MARKED + 1):
-        angles = [degrees(angle) for angle in found[0][1:]]
-        x, y = ((part[1:] / unit.size).tolist() for part in found[1:])
-        series.append(Series("crank angle", case.lead, x, y, angles, line=False, labels=angles))
-    return Plot("bearing_forces.csv", f"along n₁ [{unit.sign}]", f"along n₂ [{unit.sign}]", series, alike=True) if series else None
-
-
-def _force(run: Run, force: str, points: int) -> Sequence[np.ndarray]:
-    """Crank angle and both parts of a bearing's force at even angles of the turn, both ends among them; empty without the force."""
-    cycle, names = run.cycle, (f"{force}_x", f"{force}_y")
-    if not {*names} <= cycle.keys():
-        return ()
-    angle = cycle["crank_angle"]
-    even = np.linspace(angle[0], angle[-1], points)
-    turning = np.sign(even[-1] - even[0])
-    return even, *(np.interp(turning * even, turning * angle, cycle[name]) for name in names)
-
-
-def forces_table(cases: Sequence[CaseDrive]) -> Table:
-    """The forces in the plots."""
-    table = Table(
-        "bearing_forces",
-        "Forces of the ground in the bearings: on the arm at P, and on the crank at O, along n₁ (from O to P) and n₂.",
-        (
-            CASE,
-            "engine",
-            "bearing",
-            Column("crank_angle", unit="°", form=".0f"),
-            Column("along_n1", unit="N", form=".4g"),
-            Column("along_n2", unit="N", form=".4g"),
-        ),
-        in_page=False,
-    )
-    for case in cases:
-        for engine, run in case.runs.items():
-            for force, bearing in BEARINGS.items():
-                for angle, x, y in zip(*_force(run, force, POINTS + 1), strict=True):
-                    where = {"case": case.case.name, "engine": engine, "bearing": bearing}
-                    table.add(where | {"crank_angle": float(angle), "along_n1": float(x), "along_n2": float(y)})
     return table

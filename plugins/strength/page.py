@@ -1,4 +1,4 @@
-"""The page of a report on the user's own machines: the first screen, chapters on strength and on a turn, and that on the drive."""
+"""The page of a report on the user's own machines: the first screen, and the chapters on strength and on the drive."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -12,7 +12,6 @@ from quickreturn.cases.motion.number import Number
 from quickreturn.plugins.strength.case_drive import drive
 from quickreturn.plugins.strength.case_loads import HARDLY, CaseLoads, loads_on, numbers_of_case
 from quickreturn.plugins.strength.loads import UNITS
-from quickreturn.plugins.strength.turn import leading_statements
 from quickreturn.plugins.strength.words import NAMES, Load, axial_words, from_p, name_of, verdict
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
@@ -23,8 +22,6 @@ from quickreturn.reports.words import degrees, listed, number, off_by, quantity,
 
 #: Places along the arm at which its stress is drawn.
 ALONG: Final = 61
-#: Topics of a turn that no table of the page shows.
-TOPICS: Final = ("sides", "limit", "trust")
 
 
 def machines(content: Content) -> Mapping[str, FirstScreen]:
@@ -170,14 +167,4 @@ def _off(load: Load) -> str:
     return "" if load.error is None else off_by(load.error, load.value)
 
 
-def turn(content: Content) -> Chapter | None:
-    """What happens in a turn; None for a report on the thesis' runs, or without a settled turn."""
-    results = content.results if content.is_own else []
-    cases = [(result.case.title, found) for result in results if (found := leading_statements(result))]
-    if not cases:
-        return None
-    sentences = [(title, [each.sentence for each in found if each.topic in TOPICS]) for title, found in cases]
-    return Chapter("turn", "What happens in a turn", cases[0][1][0].sentence.removesuffix("."), {"cases": sentences})
-
-
-PAGE = Part(chapters={strength: 10, turn: 11, drive: 12}, templates=("quickreturn.plugins.strength",), machines=machines)
+PAGE = Part(chapters={strength: 10, drive: 12}, templates=("quickreturn.plugins.strength",), machines=machines)

@@ -8,16 +8,13 @@ from quickreturn.cases.files.shown import Cell
 from quickreturn.engines.accurate import Result
 from quickreturn.plugins.strength.arm import missing
 from quickreturn.plugins.strength.loads import UNITS, Loads, loads_job, loads_of_run
-from quickreturn.plugins.strength.words import loads_document, notch_lines, stress_text
+from quickreturn.plugins.strength.words import NAMES, loads_document, stress_text
 from quickreturn.readings import Reading
 from quickreturn.reference_model.columns import MOMENTS
 from quickreturn.reports.words import TIED, quantity
 
 if TYPE_CHECKING:
     from quickreturn.cases.comparison.engines import CaseResult
-
-#: Names of forces and torques in the text of `run`.
-FORCES: Final = {"pivot_force": "force at P", "crank_force": "at O", "slider_force": "at the slider", "crank_torque": "torque of the drive"}
 
 
 def of_simulation(case: Case, result: Result, loads: Loads) -> Iterator[tuple[str, Cell]]:
@@ -40,10 +37,9 @@ def lines(result: "CaseResult") -> Iterator[str]:
     texts = list[str]()
     if case.lead:
         loads = case.loads[case.lead]
-        texts += (f"{case.lead}: {sentence}" for sentence in (stress_text(loads, case.case), *notch_lines(loads, case.case)))
-        peaks = ((FORCES[name], peak, UNITS[name]) for name, peak in loads.peaks.items() if name in FORCES and peak)
-        if forces := [f"{what} {quantity(peak.value, units.of(si))}" for what, peak, si in peaks]:
-            texts.append(f"{case.lead}: largest {', '.join(forces)}")
+        texts.append(f"{case.lead}: {stress_text(loads, case.case)}")
+        peaks = [f"{NAMES[name]} {quantity(peak.value, units.of(UNITS[name]))}" for name, peak in loads.peaks.items() if peak]
+        texts += [f"{case.lead}: largest {', '.join(peaks)}"] * bool(peaks)
         if case.resonance is not None:
             texts.append(f"first mode over the crank's frequency {case.resonance.ratio:.2f}: {case.nearness}")
     drive = drive_of(result)

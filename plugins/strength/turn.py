@@ -13,7 +13,6 @@ from typing import Any, Final
 import numpy as np
 
 from quickreturn.arguments import AnyCase, one_case
-from quickreturn.cases.comparison.engines import REFERENCE, CaseResult
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.shown import Cell, Printable
 from quickreturn.cases.motion.catalogue import MEASURES
@@ -298,12 +297,6 @@ def statements(case: Case, run: Run) -> list[Statement]:
     turn = Turn(case, run)
     said = {topic: say(turn) for topic, say in SENTENCES.items()} if run.usable else {}
     return [Statement(topic, each[0].replace(TIED, " "), each[1]) for topic, each in said.items() if each]
-
-
-def leading_statements(result: CaseResult) -> list[Statement]:
-    """Those by `reference`, or else by the first engine that has a settled turn."""
-    found = (statements(result.case, run) for _, run in sorted(result.runs.items(), key=lambda each: each[0] != REFERENCE))
-    return next(filter(None, found), [])
 
 
 @dataclass(frozen=True, repr=False)

@@ -103,20 +103,6 @@ def tension_or_compression(axial: Number) -> str:
     return "tension" if axial.value > 0.0 else "compression" if axial.value < 0.0 else "tension and compression alike"
 
 
-def notch_lines(loads: Loads, case: Case) -> list[str]:
-    """For each notch its safety against fatigue, or the stress that counts there, and whether it decides (a clause each)."""
-    told = list[str]()
-    if loads.stress is None or not loads.notch_factors:
-        return told
-    worst = loads.stress.fatigue
-    for notch, safe in zip(loads.stress.notches, loads.notch_factors, strict=True):
-        decides = (notch.notch_factor, notch.equivalent.place) == (worst.notch_factor, worst.equivalent.place)
-        counts = f"equivalent amplitude {quantity(notch.equivalent.value, case.units.of('Pa'))}"
-        factor = f"safety factor {_safety(safe)} against fatigue" if safe else counts
-        told.append(f"notch {from_p(notch.equivalent, case.units)}: {factor}, {'decides' if decides else 'does not decide'}")
-    return told
-
-
 def _safety(factor: Factor) -> str:
     """A safety factor with its error; its interval is told where that is too large."""
     return f"{factor.text} ({off_by(factor.error, 1.0)})" if factor.judged and factor.error is not None else factor.text

@@ -12,7 +12,7 @@ from quickreturn.cases.comparison.engines import agreement as verdicts
 from quickreturn.cases.comparison.pair import KINDS, WAVEFORM, Difference, Kind
 from quickreturn.cases.motion.cycle import EXTREMES
 from quickreturn.cases.motion.number import SAYS_NOTHING, or_nan
-from quickreturn.reports.engine_differences import cause, differences, engines_of, outward, used_along
+from quickreturn.reports.engine_differences import differences, engines_of, outward, used_along
 from quickreturn.reports.page.chapter import Chapter, Plot, Series
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.first_screen import answer_of
@@ -197,7 +197,6 @@ def departures(results: Sequence[CaseResult]) -> Table:
         Column("other_claim", "other", "%", ".2g", group="claim"),
         Column("measurement", "measurement", "%", ".2g", group="claim"),
         Column("share", unit="1", form=".2f"),
-        Column("cause", "what the numbers suggest"),
     )
     table = Table(
         "departures",
@@ -218,7 +217,6 @@ def departures(results: Sequence[CaseResult]) -> Table:
                 other_claim=(or_nan(check.other_number.estimate) + check.other_number.settling) / check.scale,
                 measurement=check.unshared / check.scale,
                 share=abs(check.other_number.value) / check.scale if check.quantity in EXTREMES else None,
-                cause=cause(result, check),
             )
     return table
 

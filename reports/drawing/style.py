@@ -34,7 +34,7 @@ POINTS_PER_INCH: Final = 72.0
 QUICK: Final = "#E0A21B"  # the quick return, as on the page
 GREY: Final = "#666666"
 LIGHT: Final = "#EAEAEA"
-BAND: Final = "#FBEFD2"  # light orange: ranges that the thesis prints
+BAND: Final = "#FBEFD2"  # light orange
 
 
 #: Marks of points (`reports.line_styles.Look.marker`) as the plotting library names them.
@@ -126,9 +126,3 @@ def _legend_width(handles: Sequence[Artist], columns: int) -> float:
     """Estimated width in points: letters are about 0.58 of the font size wide, a sample and its gaps take a few font sizes."""
     longest = [max((len(str(handle.get_label())) for handle in column), default=0) for column in np.array_split(np.array(handles), columns)]
     return SMALL * sum(0.58 * letters + SAMPLE + 2.0 for letters in longest)
-
-
-def padded(low: float, high: float, share: float = 0.06) -> tuple[float, float]:
-    """Limits that leave a margin around a range, also where it is a single value."""
-    margin = share * (high - low) or share * max(abs(low), 1e-12)
-    return low - margin, high + margin

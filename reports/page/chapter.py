@@ -20,10 +20,8 @@ class Series:
         hollow: whether its marks are hollow, as those of variants.
         line: whether the points are joined.
         broad: whether it is the broad band behind the others.
-        bars: spread of each point: low and high on the horizontal axis, low and high on the vertical one; or nothing.
         marked: whether each point has a mark.
         labels: text at each mark; or nothing.
-        columns: whether each point is a bar from zero, beside those of other series.
     """
 
     name: str
@@ -34,10 +32,8 @@ class Series:
     hollow: bool = False
     line: bool = True
     broad: bool = False
-    bars: Sequence[Sequence[float]] = ()
     marked: bool = True
     labels: Sequence[str] = ()
-    columns: bool = False
 
 
 @dataclass(frozen=True)
@@ -52,9 +48,7 @@ class Plot:
     below: float | None = None  # value on the vertical axis below which numbers mean nothing; that range is shaded
     categories: Sequence[str] = ()  # texts of an axis that has rows instead of numbers; `y` then belongs to the horizontal axis
     limit: tuple[float, str] | None = None  # a value that is marked by a line across the rows, and its meaning
-    regions: Sequence[Sequence[tuple[float, float]]] = ()  # areas behind the points: their corners as pairs of values
     here: tuple[float, str] | None = None  # a value on the horizontal axis that is marked by a line, and its meaning
-    alike: bool = False  # whether a unit is equally long on both axes
 
     @property
     def document(self) -> dict[str, Any]:

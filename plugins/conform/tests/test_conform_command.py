@@ -34,7 +34,8 @@ def test_an_engine_without_a_trajectory_does_not_conform(call: Call, tmp_path: P
     assert answer.code == 1
     document = json.loads(answer.output)
     assert (document["engine"], document["conforms"]) == ("broken", False)
-    assert {"check", "status", "cause"} == set(document["checks"][0])
+    assert {"check", "status", "cause", "advice"} == set(document["checks"][0])
+    assert "ask again tomorrow" in {check["advice"] for check in document["checks"]}
     failed = {check["check"]: check["cause"] for check in document["checks"] if check["status"] == "failed"}
     assert "the licence server does not answer" in failed["a trajectory"]
     kept = Workshop(Store()).stored(job("broken"))

@@ -66,4 +66,4 @@ def test_a_class_that_no_other_process_can_import_is_not_accused() -> None:
     assert found.conforms
     (check,) = [check for check in found.checks if check.check == "the same in other processes"]
     assert check.status == "not judged"
-    assert "entry point" in check.cause
+    assert "entry point" in check.advice

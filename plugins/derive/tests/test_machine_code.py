@@ -1,11 +1,14 @@
 """Machine code against the interpreter, operation by operation, and against numpy."""
 
+from collections.abc import Callable
+
 import casadi as ca
 import numpy as np
 import pytest
 
-from quickreturn.derive import DescriptionError
+from quickreturn.derive import DescriptionError, Model, System, vector
 from quickreturn.plugins.derive.machine_code import MachineCode
+from quickreturn.plugins.derive.tests import published as of
 
 ONE = {
     "sin": np.sin, "cos": np.cos, "tan": np.tan, "asin": np.arcsin, "acos": np.arccos, "atan": np.arctan, "sinh": np.sinh, "cosh": np.cosh,
@@ -60,14 +63,28 @@ def test_arithmetic_and_conditions() -> None:
             2 * a_ if a_ != b_ else a_**2,
         ]
         np.testing.assert_allclose(found, expected, rtol=1e-15)
-        code.check(np.array(values))
+
+
+@pytest.mark.parametrize(
+    "mechanism", [of.andrews_squeezer, of.engine, of.elastic_pendulum, of.two_link_arm], ids=lambda each: each.__name__
+)
+def test_the_rates_of_a_mechanism_are_those_of_the_interpreter(mechanism: Callable[[], of.Published]) -> None:
+    described = mechanism()
+    model = Model(described.system)
+    y, p = model.start(described.start), model.values(None)
+    found, expected = model.rates(0.0, y, p), np.array(model._rates.interpreter(model.input(0.0, y, p))).ravel()
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-13 * np.max(np.abs(expected)))
 
 
 def test_what_is_no_number_is_named() -> None:
-    x = ca.SX.sym("x", 2)
-    code = MachineCode(x, ca.vertcat(x[0], ca.sqrt(x[1])), ["speed", "pull"])
-    code.check(np.array([1.0, 4.0]))
-    with pytest.raises(DescriptionError, match=r"^pull is nan at the start; look for a root of a negative number"):
-        code.check(np.array([1.0, -4.0]))
+    system = System("spring")
+    p = system.constants(mass=(1.0, "kg"), pull=(1.0, "N"), length=(1.0, "m"))
+    x = system.coordinate("x", "m")
+    system.body("weight", p.mass, vector(x, 0))
+    system.load("spring", x, p.pull * ca.sqrt(x / p.length))
+    model = Model(system)
+    model.check(model.start({"x": 1.0}), model.values(None))
+    with pytest.raises(DescriptionError, match=r"^rate of x_rate is nan at the start; look for a root of a negative number"):
+        model.check(model.start({"x": -1.0}), model.values(None))
     with pytest.raises(DescriptionError, match="not translated to machine code"):
         MachineCode(x, ca.erfinv(x), ["one", "two"])

@@ -1,17 +1,14 @@
 """Starts that a check must not refuse: equilibria, where forces cancel, and shapes of many families; and what it must refuse."""
 
-import re
 import warnings
 from collections.abc import Callable
 from typing import Any
 
-import casadi as ca
 import numpy as np
 import pytest
 from numpy.polynomial import Polynomial, legendre
 
 from quickreturn.derive import Beam, DescriptionError, Model, Statics, System, natural_frequencies, natural_shapes, turned, vector
-from quickreturn.plugins.derive import machine_code as of_machine
 from quickreturn.plugins.derive.tests.descriptions import described
 from quickreturn.plugins.derive.tests.linkages import four_bar
 
@@ -79,8 +76,8 @@ def test_forces_of_loops_at_rest_are_outputs() -> None:
 
 
 @pytest.mark.parametrize("seed", [0, *(pytest.param(k, marks=pytest.mark.verify) for k in range(1, 6))])
-def test_an_assembly_far_from_the_guess_is_told(seed: int) -> None:
-    """A four-bar closes in two ways at a crank angle: the truth has both, and which one is nearer to the guess."""
+def test_a_four_bar_closes_in_the_way_that_its_guess_is_near(seed: int) -> None:
+    """It closes in two ways at a crank angle."""
     random = np.random.default_rng(seed)
     model = Model(four_bar((1.0, 0.4, 0.9, 0.8), (1.0, 2.0, 1.5)))
     pin = 0.4 * np.exp(0.5j)
@@ -88,34 +85,23 @@ def test_an_assembly_far_from_the_guess_is_told(seed: int) -> None:
     along = (0.9**2 - 0.8**2 + c**2) / (2.0 * c)
     joints = [pin + chord / c * (along + side * 1j * np.sqrt(0.9**2 - along**2)) for side in (1, -1)]
     both = np.array([[np.angle(joint - pin), np.angle(joint - 1.0)] for joint in joints])
-    told = 0
-    for guess in random.uniform(-2.0, 2.0, (10, 2)):
+    far, near = random.uniform(-2.0, 2.0, (10, 2)), both + random.uniform(-0.3, 0.3, (2, 2))
+    closed = 0
+    for k, guess in enumerate([*near, *far]):
         model.system.coordinates[1:] = [c._replace(guess=g) for c, g in zip(model.system.coordinates[1:], guess, strict=True)]
-        with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always")
+        try:
             found = model.start({"crank": 0.5})[1:3]
-        assert min(np.max(np.abs(np.exp(1j * found) - np.exp(1j * each))) for each in both) < 1e-9
-        if np.max(np.abs(found - guess)) > np.pi / 2:
-            assert re.match(
-                "'four-bar' (starts far from|could also start nearer to) the guess, with .*; give the guess", str(caught[0].message)
-            )
-        told += len(caught)
-        if np.max(np.abs(both - guess), axis=1).min() < 0.3:
-            assert not caught
-    assert 0 < told < 10
+        except DescriptionError:  # Newton's method may end in no way from a far guess
+            assert k > 1
+            continue
+        away = np.max(np.abs(np.exp(1j * found) - np.exp(1j * both)), axis=1)
+        assert away.min() < 1e-9
+        assert k > 1 or away.argmin() == k
+        closed += 1
+    assert closed > 10
 
 
-def test_from_guesses_in_line_the_loops_close() -> None:
-    """There Newton's method finds no way; it begins again beside them."""
-    system = four_bar((1.0, 0.4, 0.9, 0.8), (1.0, 2.0, 1.5))
-    system.coordinates[:] = [c._replace(guess=0.0) for c in system.coordinates]
-    with pytest.warns(UserWarning, match="starts far from the guess, with rocker = 1.77 rad in place of 0 rad"):
-        found = Model(system).start({})
-    joint = 0.4 + 0.9 * np.exp(1j * found[1])
-    assert abs(joint - 1.0 - 0.8 * np.exp(1j * found[2])) < 1e-9
-
-
-def test_an_unstable_equilibrium_is_told() -> None:
+def test_an_unstable_equilibrium_has_a_frequency_below_zero() -> None:
     """Two links with springs in their hinges, a load along them: it buckles at k/L (3 - sqrt 5)/2, the columns of textbooks."""
     system = System("column")
     p = system.constants(k=(10.0, "N*m/rad"), length=(0.5, "m"), mass=(1.0, "kg"), load=(0.0, "N"))
@@ -128,12 +114,10 @@ def test_an_unstable_equilibrium_is_told() -> None:
     system.spring("knee", two - one, p.k)
     system.load("weight", top, vector(-p.load, 0))
     model, critical = Model(system), 10.0 / 0.5 * (3.0 - np.sqrt(5.0)) / 2.0
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        Statics(model, parameters={"load": 0.999 * critical}).equilibrium({})
-        Statics(model, ["one", "two"], {"load": 2.0 * critical}).equilibrium({})
-    with pytest.warns(UserWarning, match="the equilibrium of 'column' is unstable: 'two' leaves it"):
-        Statics(model, parameters={"load": 1.001 * critical}).equilibrium({})
+    for part in (0.999, 1.001):
+        changed = {"load": part * critical}
+        rest = Statics(model, parameters=changed).equilibrium({})
+        assert (natural_frequencies(model, rest, parameters=changed)[0] > 0.0) == (part < 1.0)
 
 
 def test_frequencies_where_forces_move_the_system_are_told() -> None:
@@ -165,20 +149,6 @@ def test_shapes_that_are_nearly_alike_are_named(count: int) -> None:
     )
     with pytest.raises(DescriptionError, match=sentence):
         model.simulate({"eta_1": 0.05}, 1.0, 0.5)
-
-
-@pytest.mark.parametrize("wrong", ["sin", "mul", "add"])
-def test_a_wrong_operation_is_found_even_where_forces_cancel(wrong: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A relative mistake of 1e-9 in one operation."""
-    number = getattr(ca, f"OP_{wrong.upper()}")
-    line = of_machine._LINES[number]
-    changed = line.replace("{r} =", "{r}w =", 1) + "\n{r} = fmul double {r}w, 0x3FF000000112E0BE"  # 1 + 1e-9
-    monkeypatch.setitem(of_machine._LINES, number, changed)
-    x = ca.SX.sym("x", 2)
-    force = ca.sin(x[0]) * x[1]
-    code = of_machine.MachineCode(x, ca.vertcat(force - 2.0 * x[1] * ca.sin(x[0]) * 0.5 * (1.0 + 1e-13), force + x[1]), ["balance", "sum"])
-    with pytest.raises(DescriptionError, match="and rounding does not explain it"):
-        code.check(np.array([0.7, 3e4]))
 
 
 @pytest.mark.parametrize("scale", [1e-9, 1.0, 1e6])

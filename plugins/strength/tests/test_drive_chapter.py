@@ -2,7 +2,6 @@
 
 import dataclasses
 import json
-import math
 
 import numpy as np
 import pytest
@@ -11,9 +10,8 @@ from quickreturn.cases.comparison.engines import CaseResult
 from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.catalogue import MEASURES, numbers
 from quickreturn.cases.motion.number import Number
-from quickreturn.plugins.strength.case_drive import POINTS, CaseDrive, drive_of, drive_sentences, finding, text_of
+from quickreturn.plugins.strength.case_drive import CaseDrive, drive_of, drive_sentences, finding, text_of
 from quickreturn.reports.output import plain as as_plain
-from quickreturn.reports.page.chapter import Plot
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.verdict_text import as_document
 from tests.reports import pages
@@ -44,8 +42,8 @@ def wanting(result: CaseResult, fluctuation: float) -> CaseResult:
 
 @pytest.mark.parametrize(("fluctuation", "enough"), [(0.05, False), (0.9, True)])
 def test_the_chapter_says_whether_the_crank_is_flywheel_enough(shaper: CaseResult, fluctuation: float, enough: bool) -> None:
-    (section,) = chapter_of(one_run(wanting(shaper, fluctuation)), "drive").facts["sections"]
-    assert section["flywheel"].endswith("which is enough.") == enough
+    ((_, (_, flywheel, _)),) = chapter_of(one_run(wanting(shaper, fluctuation)), "drive").facts["cases"]
+    assert flywheel.endswith("which is enough.") == enough
 
 
 def test_the_error_of_an_angle_is_an_angle() -> None:
@@ -54,13 +52,6 @@ def test_the_error_of_an_angle_is_an_angle() -> None:
     assert plain(text_of("torque.harmonic_1.phase", angle, units, with_error=True)) == "−5.730° (± 0.05730°)"
     assert plain(text_of("torque.harmonic_1", amplitude, units, with_error=True)) == "2.000 N m (± 0.05 %)"
     assert plain(text_of("torque.harmonic_1", Number(1e-4, 2e-3), units, with_error=True)) == "0 N m (± 0.002000 N m)"
-
-
-def test_a_machine_with_a_driving_torque_has_no_harmonics_and_no_flywheel() -> None:
-    chapter = chapter_of(one_run(reported_result("example")), "drive")
-    assert [table.name for table in chapter.tables] == ["drive", "bearing_forces"]
-    assert [plot.file for plot in chapter.plots] == ["bearing_forces.csv"] * 2
-    assert [section["flywheel"] for section in chapter.facts["sections"]] == [""]
 
 
 def test_the_heading_is_that_of_the_first_machine(shaper: CaseResult) -> None:
@@ -86,27 +77,6 @@ def test_the_tables_are_the_catalogue_s_numbers(shaper: CaseResult) -> None:
     assert [cell[0].replace("\N{NO-BREAK SPACE}", " ") for cell in phase[2:]] == ["28.65° (error unknown)"] * 4
 
 
-def test_the_pictures_show_the_rows(shaper: CaseResult) -> None:
-    bars, at_p, at_o = chapter_of(one_run(shaper), "drive").plots
-    assert [series.name for series in bars.series] == ["thesis", "reference", "exudyn", "mujoco"]
-    assert all(series.columns and list(series.x) == [*range(1, 9)] for series in bars.series)
-    assert bars.series[0].y[0] == pytest.approx(4.0, abs=1e-6)
-    cycle = shaper.runs["reference"].cycle
-    for plot, force in ((at_p, "pivot_force"), (at_o, "crank_force")):
-        assert isinstance(plot, Plot)
-        assert plot.alike
-        curve = next(series for series in plot.series if series.name == "reference")
-        assert len(curve.x) == POINTS + 1
-        sizes = np.hypot(np.array(curve.x, float), np.array(curve.y, float))
-        assert sizes.max() == pytest.approx(np.hypot(cycle[f"{force}_x"], cycle[f"{force}_y"]).max(), rel=1e-2)
-        (marks,) = (series for series in plot.series if series.labels)
-        assert marks.labels == ["270°", "0°", "90°", "180°"]  # from the slider's farthest place on
-        for place, angle in enumerate((270.0, 0.0, 90.0, 180.0)):
-            turned = math.radians((angle - 180.0) % 360.0) or math.tau
-            x = np.interp(turned, cycle["crank_angle"] - cycle["crank_angle"][0], cycle[f"{force}_x"])
-            assert marks.x[place] == pytest.approx(x, abs=1e-9)
-
-
 def test_the_document_of_a_run_has_the_numbers(shaper: CaseResult) -> None:
     (case,) = json.loads(json.dumps(as_plain(as_document([shaper], ()))))["cases"]
     (document,) = (engine["numbers"] for engine in case["engines"] if engine["engine"] == "mujoco")
@@ -127,5 +97,5 @@ def test_without_the_torque_there_is_no_chapter(shaper: CaseResult) -> None:
     no_forces = shaper
     for engine, run in shaper.runs.items():
         no_forces = with_run(no_forces, engine, cycle={name: values for name, values in run.cycle.items() if "_force_" not in name})
-    assert len([*chapter_of(one_run(no_forces), "drive").plots]) == 1
+    assert len(drive_sentences(drive_of(no_forces))) == 2
     assert "Which motor, which bearings?" in pages.text_of(one_run(no_forces))

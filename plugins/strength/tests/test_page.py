@@ -14,15 +14,14 @@ from quickreturn.cases.motion.number import Number
 from quickreturn.cases.motion.resonance import Resonance, resonance
 from quickreturn.plugins.strength.case_loads import CaseLoads, leading_loads, loads_of_case, loads_on, numbers_of_case, share_of
 from quickreturn.plugins.strength.loads import loads_of_run
-from quickreturn.plugins.strength.page import TOPICS, machine_screen, machines, safety_figure, strength_finding
+from quickreturn.plugins.strength.page import machine_screen, machines, safety_figure, strength_finding
 from quickreturn.plugins.strength.stress import ArmStress, Factor, Fatigue, section_modulus
-from quickreturn.plugins.strength.turn import statements
-from quickreturn.plugins.strength.words import name_of, notch_lines, verdict
+from quickreturn.plugins.strength.words import name_of, verdict
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.view import cycles
 from quickreturn.reports.words import quantity
-from tests.reports.pages import chapter_of, finding_of, one_run, plain, read, text_of
+from tests.reports.pages import finding_of, one_run, plain, read, text_of
 from tests.reports.plotted_results import made_up_result, with_run, with_strength
 from tests.reports.reported_results import reported_result
 
@@ -126,22 +125,18 @@ def test_a_factor_below_one_is_a_verdict(example: CaseResult, stress: ArmStress,
     assert words in verdict(loads_of_case(with_strength(example, **strengths)).loads["reference"])
 
 
-def test_each_notch_has_its_factor_and_one_decides(known: CaseLoads) -> None:
+def test_each_notch_has_its_factor(known: CaseLoads) -> None:
     loads = known.loads["reference"]
     assert loads.stress is not None
     worst = loads.stress.fatigue  # 400 mm from P
     root = dataclasses.replace(worst, equivalent=dataclasses.replace(worst.equivalent, value=0.05e6, place=0.0), notch_factor=1.8)
     notched = dataclasses.replace(loads, stress=dataclasses.replace(loads.stress, notches=(root, worst)))
     factors = (Factor(3440.0, 3400.0, 3480.0, 0.01), loads.fatigue_factor)
-    lines = notch_lines(dataclasses.replace(notched, notch_factors=factors), known.case)
-    assert ["3440" in line for line in lines] == ["does not decide" in line for line in lines] == [True, False]
-    assert "0.05000" in notch_lines(dataclasses.replace(notched, notch_factors=(None, None)), known.case)[0]
     case = dataclasses.replace(known, loads={"reference": dataclasses.replace(notched, notch_factors=factors)})
     names = {load.quantity: load for _, load in numbers_of_case(case)}
     assert names["notch_1_fatigue_factor"].value == 3440.0
     assert names["notch_2_equivalent_amplitude"].place == 0.4
     assert name_of("notch_1_fatigue_factor").endswith(" 1")
-    assert notch_lines(loads, known.case) == []
 
 
 @pytest.mark.parametrize("part", [0.3, 2.0])
@@ -165,7 +160,7 @@ def test_the_thesis_keeps_its_first_screen_and_engines_without_moments_the_old_o
     of_thesis = one_run()
     assert loads_on(of_thesis) == []
     assert machines(of_thesis) == {}
-    assert not {"strength", "turn", "next"} & {chapter.id for chapter in chapters_of(of_thesis)}
+    assert not {"strength", "next"} & {chapter.id for chapter in chapters_of(of_thesis)}
     without = example
     for name, run in example.runs.items():
         without = with_run(without, name, cycle={key: values for key, values in run.cycle.items() if not key.startswith("moment")})
@@ -200,15 +195,6 @@ def test_rows_have_units_and_names(example: CaseResult) -> None:
     assert found["stress"].unit == "Pa"
     assert found["frequency_ratio"].value == pytest.approx(found["mean_first_frequency"].value / 2.0)  # 120 rpm
     assert found["yield_factor"].value == pytest.approx(240e6 / found["stress"].value)
-
-
-def test_a_turn_has_what_no_table_shows_and_how_far_it_can_be_trusted(example: CaseResult) -> None:
-    told = {each.topic: each.sentence for each in statements(example.case, example.runs["reference"])}
-    ((_, sentences),) = chapter_of(one_run(example), "turn").facts["cases"]
-    assert sentences == [told[topic] for topic in TOPICS if topic in told]
-    assert "trust" in told
-    failed = reported_result("example", dict.fromkeys(example.runs, "failed"))
-    assert "turn" not in [chapter.id for chapter in chapters_of(one_run(failed))]
 
 
 def test_a_machine_has_its_verdict_its_stress_and_its_warning(known: CaseLoads) -> None:

@@ -10,14 +10,14 @@ function onAxis(value) {
 
 /** One axis: from values to pixels, with its ticks. */
 class Axis {
-  /** @param pixels of the lowest and the highest value; a `share` of the range is left free at both ends. */
-  constructor(values, logarithmic, pixels, most, share = 0.05) {
+  /** @param pixels of the lowest and the highest value; a twentieth of the range is left free at both ends. */
+  constructor(values, logarithmic, pixels, most) {
     let [low, high] = [Math.min(...values), Math.max(...values)];
     if (logarithmic) {
       const free = Math.max(1.15, (high / low) ** 0.04);
       [low, high] = [low / free, high * free];
     } else {
-      const free = share * (high - low || 1);
+      const free = 0.05 * (high - low || 1);
       [low, high] = [low - free, high + free];
     }
     Object.assign(this, { low, high, logarithmic, pixels });
@@ -37,15 +37,6 @@ class Axis {
     if (this.high / this.low < 200 && fine.length <= most) return fine;
     return [1, 2, 3, 4].map((step) => inside(powers(step))).find((found) => found.length <= most) ?? inside(powers(5));
   }
-}
-
-/** Two axes on which a unit is equally long. */
-function alike(...axes) {
-  const length = ({ pixels: [from, to] }) => Math.abs(to - from), unit = Math.max(...axes.map((axis) => (axis.high - axis.low) / length(axis)));
-  return axes.map((axis) => {
-    const middle = (axis.low + axis.high) / 2, half = unit * length(axis) / 2;
-    return new Axis([middle - half, middle + half], false, axis.pixels, 6, 0);
-  });
 }
 
 /** Where the label of a mark may stand, from the mark, px. */
@@ -116,16 +107,13 @@ class Chart {
 
   /** Points and lines over two axes. */
   axes(shown, across) {
-    const { plot } = this, width = plot.alike ? Math.min(across, 480) : across, height = plot.alike ? width : width < 500 ? 320 : 380;
-    const [above, below] = [plot.here ? 60 : 30, 44], raised = shown.filter(({ columns }) => columns), named = width >= 760 && !raised.length;
-    const marked = (axis) => [...shown.flatMap((series) => [...series[axis ? "y" : "x"].filter((value) => value !== null), ...series.bars.flatMap((bar) => bar.slice(2 * axis, 2 * axis + 2))]), ...plot.regions.flat().map((corner) => corner[axis])];
-    const zero = plot.alike || raised.length ? [0] : [], place = [...marked(0), ...(plot.alike ? zero : [])];
-    let vertical = new Axis([...marked(1), ...zero], plot.log.includes("y"), [height - below, above], 7);
+    const { plot } = this, width = across, height = width < 500 ? 320 : 380;
+    const [above, below] = [plot.here ? 60 : 30, 44], named = width >= 760;
+    const marked = (axis) => shown.flatMap((series) => series[axis ? "y" : "x"].filter((value) => value !== null));
+    const vertical = new Axis(marked(1), plot.log.includes("y"), [height - below, above], 7);
     const left = 14 + Math.max(...vertical.ticks.map((value) => wide(onAxis(value)))), right = named ? 24 + Math.max(...shown.map(({ name }) => wide(name, NAME))) : 14;
-    const share = raised.length ? 0.6 / Math.max(1, Math.max(...place) - Math.min(...place)) : 0.05;
-    let horizontal = new Axis(place, plot.log.includes("x"), [left, width - right], Math.floor((width - left - right) / 60), share);
-    if (plot.alike) [horizontal, vertical] = alike(horizontal, vertical);
-    const made = this.frame(width, height), bar = 0.8 * (horizontal.place(1) - horizontal.place(0)) / raised.length;
+    const horizontal = new Axis(marked(0), plot.log.includes("x"), [left, width - right], Math.floor((width - left - right) / 60));
+    const made = this.frame(width, height);
     this.grid(made, horizontal, width, above, height - below);
     for (const value of vertical.ticks) {
       const y = vertical.place(value);
@@ -135,7 +123,6 @@ class Chart {
       const top = Math.max(above, vertical.place(Math.min(plot.below, vertical.high)));
       made.append(svg("rect", { x: left, y: top, width: width - left - right, height: height - below - top, fill: colour("soft"), "fill-opacity": 0.16 }));
     }
-    for (const corners of plot.regions) made.append(svg("polygon", { points: corners.map(([x, y]) => [horizontal.place(x), vertical.place(y)]).join(" "), fill: colour("soft"), "fill-opacity": 0.16 }));
     made.append(svg("path", { d: `M${left} ${above}V${height - below}H${width - right}`, fill: "none", stroke: colour("soft") }));
     made.append(words(4, 16, plot.y, { anchor: "start", fill: colour("ink"), size: NAME }));
     made.append(words((left + width - right) / 2, height - 6, plot.x, { fill: colour("ink"), size: NAME }));
@@ -146,18 +133,13 @@ class Chart {
       made.append(words(middle, above - 25, plot.here[1], { fill: colour("ink"), size: NAME }));
       here.push(around([x, height / 2], 1, height), around([middle, above - 29], half, 9));
     }
-    const aside = (series) => series.columns ? (raised.indexOf(series) - (raised.length - 1) / 2) * bar : 0;
-    const places = new Map(shown.map((series) => [series, series.x.map((x, k) => x === null ? null : [horizontal.place(x) + aside(series), vertical.place(series.y[k])])]));
+    const places = new Map(shown.map((series) => [series, series.x.map((x, k) => x === null ? null : [horizontal.place(x), vertical.place(series.y[k])])]));
     const inOrder = [...shown].sort((a, b) => b.broad - a.broad || lookOf(a.of).order - lookOf(b.of).order);
     for (const series of inOrder) {
       const points = places.get(series), group = svg("g", { "data-series": series.name, "data-of": series.of }), about = series.broad
         ? { fill: "none", stroke: colour("line"), "stroke-width": 14, "stroke-linecap": "round", "stroke-linejoin": "round" } : strokeOf(series.of);
-      if (series.columns) for (const [x, y] of points) group.append(svg("rect", { x: x - 0.45 * bar, width: 0.9 * bar, y, height: vertical.place(0) - y, fill: lookOf(series.of).colour }));
-      else if (series.line || series.broad) for (const path of unbroken(points)) group.append(svg("polyline", { points: path.map(([x, y]) => `${x.toFixed(1)},${y.toFixed(1)}`).join(" "), ...about }));
+      if (series.line || series.broad) for (const path of unbroken(points)) group.append(svg("polyline", { points: path.map(([x, y]) => `${x.toFixed(1)},${y.toFixed(1)}`).join(" "), ...about }));
       if (!series.broad) {
-        series.bars.forEach(([from, to, low, high], k) => group.append(svg("path", {
-          d: `M${horizontal.place(from)} ${points[k][1]}H${horizontal.place(to)}M${points[k][0]} ${vertical.place(low)}V${vertical.place(high)}`, stroke: lookOf(series.of).colour, "stroke-opacity": 0.45,
-        })));
         points.forEach((point, index) => {
           if (!point) return;
           const [x, y] = point;
@@ -167,7 +149,7 @@ class Chart {
       }
       made.append(group);
     }
-    const taken = this.marks.filter(({ series }) => series.marked || !plot.alike).map(({ x, y }) => around([x, y], 7, 7));
+    const taken = this.marks.map(({ x, y }) => around([x, y], 7, 7));
     taken.push(...here);
     for (const { series, index, x, y } of this.marks) if (series.labels[index]) this.write(made, series.labels[index], LABELS.map(([dx, dy]) => [x + dx, y + dy]), taken, [left, 20, width, height - below]);
     if (named) this.name(made, shown.filter((series) => !series.broad), places, taken, [0, 20, width, height - below]);

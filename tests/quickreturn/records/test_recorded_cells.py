@@ -21,7 +21,6 @@ from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.one_run import CompletedRun
 from quickreturn.engines.registry import engine
 from quickreturn.engines.settings import as_texts
-from quickreturn.plugins.as_built.chapter import built, constructions
 from quickreturn.plugins.conform.contract import conform
 from quickreturn.plugins.conform.records import ConformanceRow
 from quickreturn.plugins.methods import studies as of_methods
@@ -122,19 +121,6 @@ def classes(draw: Draw, workshop: Workshop) -> None:
             assert error == pytest.approx(recorded.error, rel=SAME, abs=scenes[recorded.scene].difference or 0.0), recorded
 
 
-def as_built(draw: Draw, workshop: Workshop) -> None:
-    """The errors of a construction; above 1, where chaos decides, to a factor of two."""
-    for recorded in draw([row for row in built() if (row.seconds or 0.0) < SLOWEST]):
-        (again,) = constructions([recorded.name])
-        if recorded.error is None or again.error is None:
-            assert (again.error, again.end) == (recorded.error, pytest.approx(recorded.end, rel=SAME)), recorded
-        elif recorded.error > 1.0:
-            assert 0.5 < again.error / recorded.error < 2.0, recorded
-        else:
-            assert again.error == pytest.approx(recorded.error, rel=SAME), recorded
-            assert again.frequency == pytest.approx(recorded.frequency, abs=1e-4), recorded
-
-
 def finding_of_the_thesis(draw: Draw, workshop: Workshop) -> None:
     """The ratio of the thesis' frequency to a machine's after the return, in a run."""
     known = {row.machine: dict(zip(finding.RUNS, row.post, strict=True)) for row in of_the_thesis.finding()}
@@ -173,7 +159,6 @@ AGAIN: Final[dict[str, Callable[[Draw, Workshop], None]]] = {
     "hard scenes": hard_scenes,
     "conformance": conformance,
     "classes": classes,
-    "as built": as_built,
     "finding": finding_of_the_thesis,
     "planted": planted_errors,
     "starts": other_starts,
