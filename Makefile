@@ -22,8 +22,8 @@ report: $(READY)
 	$(BIN)/quickreturn report
 
 # What three processes would compile side by side, the tests' assertions among it, is compiled before, while the type checker is at work:
-# each keeps one core busy. (A mistake there is told by the run.) The longest files come first. Tests wait for programs, browsers and time limits, so that three processes keep
-# two cores busy.
+# each keeps one core busy; a mistake there is told by the run. The longest files come first. Tests wait for programs, browsers and time
+# limits, so that three processes keep two cores busy.
 test: $(TEST)
 	$(MAKE) --jobs $(PARALLEL) lint compile
 	$(BIN)/pytest -n $(PROCESSES) $(CRASH) --dist loadgroup --no-loadscope-reorder
