@@ -45,7 +45,7 @@ LARGEST_KERNEL = 9_000
 BUDGETS = {
     "reference_model": 5_887,
     "engines": 4_350,
-    "cases": 6_073,
+    "cases": 6_085,
     "reports": 2_270,
     "quickreturn": 1_905,
     "pack": 90,

@@ -74,7 +74,7 @@ SLOWEST_RATIO: Final = 0.5
 #: `stiffness_ratio` below which no mode is slowed, because the motion needs the higher modes. In run 24 (4.1) slowing costs nothing; with a
 #: tenth of its stiffness (1.3) the error is ten times as large (`engines/LADDERS.md`, section 1).
 SOFT_FOLLOWER: Final = 3.0
-#: `stiffness_ratio` below which that takes so many modes that implicit steps are cheaper.
+#: `stiffness_ratio` below which an accuracy of 1 % takes so many modes that implicit steps are cheaper (`engines/LADDERS.md`, section 1).
 VERY_SOFT_FOLLOWER: Final = 1.9
 #: `stiffness_ratio` of run 24 with a tenth of its stiffness, on which the ladder of soft followers was measured; and the power with which
 #: the error is taken to fall with this ratio, to begin near the rung that suffices (`engines/LADDERS.md`, section 1).

@@ -102,7 +102,7 @@ def test_on_a_rigid_follower_slider_force_and_torque_follow_from_moments_and_vir
     "name", [pytest.param(name, marks=[pytest.mark.verify] * (name in SLOW)) for name in (*ALL, "thesis", "moving-boundaries")]
 )
 def test_a_spring_without_force_changes_nothing_beyond_rounding(name: str) -> None:
-    """Linear algebra rounds as its arrays lie in memory; one bit of a length grows to 1e-7 of a column's largest."""
+    """Linear algebra may round otherwise, with more threads above all; one bit of a length grows to 1e-7 of a column's largest."""
     plain = prescribed(run_24()) if name == "moving-boundaries" else run_24()
     nothing = replace(plain, spring=Spring(stiffness=0.0, anchor=(0.1, -0.3), free_length=0.2))
     ours, theirs = (once(name, scene, 0.05, 1e-3, 0.1) for scene in (plain, nothing))

@@ -76,6 +76,25 @@ def test_a_tolerance_is_what_both_claim_and_what_the_measurement_leaves_open() -
     assert found.reason == ""
 
 
+def test_a_kink_between_rows_is_no_disagreement() -> None:
+    """Two engines have the same strain, whose slope jumps as the slider passes the gauge, at rows of other instants."""
+
+    def sampled(name: str, turned: np.ndarray, power: int) -> Run:
+        signals = dict.fromkeys(CHANNELS, PEAK * np.abs(np.sin(turned - 1.0)) ** power)
+        cycle = {"time": turned / 16.0, "crank_angle": np.pi + turned, **signals}
+        return changed_run(run(name, claimed=1e-9), cycle=cycle, settling_error=0.0, settling_errors=dict.fromkeys(CHANNELS, 0.0))
+
+    rows = (TURNED, np.concatenate([[0.0], TURNED[1:-1] + 0.4 * TURNED[1], TURNED[-1:]]))
+    for power, least, most in ((1, 1e-4 * PEAK, 1e-2 * PEAK), (2, 0.0, 1e-7 * PEAK)):  # with a kink, and smooth
+        found = result(*(sampled(name, turned, power) for name, turned in zip(("reference", "a"), rows, strict=True)))
+        for quantity in ("waveform", "largest_difference"):
+            difference = check_of(found, quantity)
+            assert difference.passed, (quantity, power)
+            assert least * (0.1 if quantity == "waveform" else 1.0) < difference.unshared < most
+            if power == 1:
+                assert difference.tolerance - difference.unshared < 0.1 * abs(difference.difference)
+
+
 def test_signals_that_have_nothing_in_common_share_no_uncertainty() -> None:
     other = run("a")
     columns = {**other.cycle, **dict.fromkeys(CHANNELS, -SIGNAL)}

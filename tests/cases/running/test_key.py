@@ -287,7 +287,8 @@ def test_modules_of_each_part_of_the_package_have_their_files() -> None:
 
 @pytest.mark.parametrize("module", ["quickreturn.engines.accurate", pytest.param("quickreturn.reports.report", marks=pytest.mark.verify)])
 def test_python_imports_no_module_that_is_not_found(module: str) -> None:
-    """What Python has imported after an import is among what is found."""
+    """What Python has imported after an import is among what is found; plugins, which no statement names, have their own tests above."""
     asked = f"import json, sys, {module}; print(json.dumps(sorted(name for name in sys.modules if name.startswith('quickreturn.'))))"
     told = subprocess.run([sys.executable, "-P", "-c", asked], capture_output=True, text=True, check=True).stdout
-    assert set(json.loads(told)) <= set(imported_modules([module]))
+    named = {name for name in json.loads(told) if not name.startswith("quickreturn.plugins")}
+    assert named <= set(imported_modules([module]))
