@@ -42,7 +42,6 @@ FAULTS = {
     "cuts-the-line": "cut its connection to the runner",
     "fills-the-disk": "raised OSError: [Errno 28] No space left on device",
     "says-nonsense": "its result cannot be stored: Out of range float values are not JSON compliant",
-    "hangs": "stopped at the time limit of 4 s",  # the last engines are started first: all others run meanwhile
 }
 
 
@@ -60,7 +59,7 @@ class Campaign:
     """One run of all faulty engines between two sound ones."""
 
     def __init__(self, folder: Path) -> None:
-        limits = ("--time-limit", "4 s", "--memory-limit", "0.25", "--jobs", "3")
+        limits = ("--memory-limit", "0.25", "--jobs", "3")
         program = started(
             "run", "--quiet", "small.toml", *engines("sound", *FAULTS, "also-sound"), *limits, "--json", folder=prepared(folder)
         )
@@ -82,6 +81,14 @@ def test_an_engine_is_named_for_what_it_did(campaign: Campaign, engine: str) -> 
     assert (found["status"], remark.removesuffix(": nan")) == ("failed", FAULTS[engine])  # newer versions of Python name the value
     assert {"case": "small", "engine": engine, "status": "failed", "remark": remark} in campaign.document["failures"]
     assert f"quickreturn: small: engine {engine} failed: {remark}\n" in campaign.answer.errors
+
+
+def test_an_engine_that_hangs_is_stopped_at_the_time_limit(place: Path, call: Call) -> None:
+    code, output, _ = call("run", "small.toml", "--engine", "hangs", "--time-limit", "1 s", "--json")
+    assert code == 3
+    (failure,) = json.loads(output)["failures"]
+    assert failure["remark"] == "stopped at the time limit of 1 s"
+    assert stored(place) == []
 
 
 def test_the_engines_beside_them_complete(campaign: Campaign) -> None:
