@@ -16,7 +16,7 @@ CRASH := --max-worker-restart 0
 # Otherwise every process would compile all sources that it imports anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: report test core verify verify-status record pack wheel lint docs compile clean
+.PHONY: report test core verify verify-status record pack wheel lint compile clean
 
 report: $(READY)
 	$(BIN)/quickreturn report
@@ -65,10 +65,6 @@ lint: $(TEST)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy quickreturn tests/verification
-
-# The documentation site, without a network: build/site/index.html. Each warning, lost link or unknown name is an error.
-docs: $(TEST)
-	$(BIN)/sphinx-build --quiet --builder html --conf-dir docs/site --doctree-dir build/doctrees --fail-on-warning --keep-going --nitpicky . build/site
 
 compile: $(TEST)
 	$(BIN)/python -c 'import quickreturn as qr; [qr.simulate("thesis-24", name, store=False) for name in ("thesis", "reference", "mujoco")]'
