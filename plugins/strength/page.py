@@ -1,4 +1,4 @@
-"""The page of a report on the user's own machines: the first screen, and the chapters on strength and on the drive."""
+"""The page of a report on the user's own machines: the first screen, and the chapter on strength."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -9,7 +9,6 @@ from markupsafe import Markup
 
 from quickreturn.cases.files.shown import Units
 from quickreturn.cases.motion.number import Number
-from quickreturn.plugins.strength.case_drive import drive
 from quickreturn.plugins.strength.case_loads import HARDLY, CaseLoads, loads_on, numbers_of_case
 from quickreturn.plugins.strength.loads import UNITS
 from quickreturn.plugins.strength.words import NAMES, Load, axial_words, from_p, name_of, verdict
@@ -167,4 +166,4 @@ def _off(load: Load) -> str:
     return "" if load.error is None else off_by(load.error, load.value)
 
 
-PAGE = Part(chapters={strength: 10, drive: 12}, templates=("quickreturn.plugins.strength",), machines=machines)
+PAGE = Part(chapters={strength: 10}, templates=("quickreturn.plugins.strength",), machines=machines)

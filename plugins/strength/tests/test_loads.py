@@ -8,9 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.number import Number
-from quickreturn.cases.running.key import hash_of
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
 from quickreturn.plugins.strength.arm import KnownMoments, axial_forces, between, interpolated, known_moments, left_out, missing
@@ -274,15 +272,6 @@ def test_without_the_moment_of_a_body_at_the_end_there_is_no_stress(rigid: Colum
     assert with_ends is not None
     assert without.largest.value == pytest.approx(with_ends.largest.value, rel=1e-9)
     assert without.largest.estimate == 0.0
-
-
-def test_what_the_material_bears_does_not_change_what_a_result_is_stored_under() -> None:
-    plain, known = (dataclasses.replace(run_24().follower, yield_strength=strength) for strength in (None, 240e6))
-    assert hash_of(plain) == hash_of(known)
-    assert hash_of(plain) != hash_of(dataclasses.replace(known, thickness=1e-3))
-    case = load_case("example", {"follower.yield_strength": "250 MPa"})
-    assert case.values["follower"]["yield_strength"] == 250e6
-    assert "yield_strength" not in load_case("thesis-24").values["follower"]
 
 
 def test_the_share_of_a_harmonic_is_that_of_its_neighbourhood() -> None:
