@@ -51,7 +51,6 @@ def _merged(settings: Mapping[str, Mapping[str, str]]) -> dict[str, str]:
     options.engines,
     options.accuracy,
     options.assignments,
-    options.single("--path", metavar="WAY", default="up", help="Direction through each row: up (default), down or both."),
     _claims("half of the time or more"),
     options.output("File for the result of every point: .nc, .csv or .parquet.  [required]", required=False),
     _picture(": lines over one key, a heat map over two"),
@@ -59,7 +58,7 @@ def _merged(settings: Mapping[str, Mapping[str, str]]) -> dict[str, str]:
     options.json,
     cls=_WithMeasures,
 )
-def sweep(call: Call, axes: Sequence[str], measures: Sequence[str], path: str, claims: bool, plot: str | None) -> int:
+def sweep(call: Call, axes: Sequence[str], measures: Sequence[str], claims: bool, plot: str | None) -> int:
     """Measure the settled motion of every machine of a grid.
 
     Any key of a case file can vary, with values and units as there, and so can engines ("engine = reference; mujoco"). Each row of the grid
@@ -88,7 +87,7 @@ def sweep(call: Call, axes: Sequence[str], measures: Sequence[str], path: str, c
             raise click.UsageError(f"--plot: {accepted}; leave --plot out, or vary less")
     tell_slow([loaded])
     with workshop(None, call.quiet, [loaded], call.engines) as opened:
-        found = computed(loaded, varied, measures or USUAL, call.engines[0], call.accuracy, texts, claims, path, opened)
+        found = computed(loaded, varied, measures or USUAL, call.engines[0], call.accuracy, texts, claims, opened)
     dataset = dataset_of(found)
     write(call.output, lambda ending: dataset_file(dataset, ending))
     write(plot, lambda ending: picture(draw(found), ending))
