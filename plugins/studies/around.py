@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -81,11 +81,6 @@ class Around:
         """Relative difference of another value from the machine's own; negative if the other one is slower."""
         return value / self.own - 1.0 if self.own else math.inf
 
-    def order_at(self, speed: float) -> int | None:
-        """The multiple of a crank speed (rad/s) that is nearest to the first mode."""
-        first = self._first_mode
-        return None if first is None else replace(first, crank=abs(speed) / (2.0 * math.pi)).harmonic
-
     def shown(self, value: float) -> str:
         """A value of what varies: "236 rpm"."""
         return f"{number(value / self._unit.size, '.5g')} {self._unit.sign}"
@@ -144,7 +139,7 @@ class Around:
 
     @property
     def sentences(self) -> list[str]:
-        """The machine's own value, the motions there, the unstable range around it, and what is nearest."""
+        """The machine's own value, the motions there, and what is nearest."""
         curve = self.solved_curve
         mean = "its mean speed" if self.mean_speed else "the mean speed of its rigid mechanism"
         drive = f", {mean}, which is prescribed here in place of its drive" if curve.prescribed and curve.range.key == SPEED else ""
@@ -156,10 +151,6 @@ class Around:
         first = next(iter(curve.measures))
         told = [f"{own}.", self.beyond or motion_sentences(self.motions, MEASURES[first], self.case.units)]
         told += [f"The curve could not be followed beyond {self.shown(each.value)} ({each.reason})." for each in curve.lost]
-        for low, high, kind in curve.unstable_ranges:
-            if low <= self.own <= high:
-                ends = " to ".join(map(self.shown, sorted((low, high), key=abs)))
-                told.append(f"Motions that are unstable ({kind}) reach from {ends}, and your machine lies within that range.")
         told.append(f"{self.nearest[0].upper()}{self.nearest[1:]}.")
         silent = self.without_effect
         return [*told, f"{silent[0].upper()}{silent[1:]}."] if silent else told

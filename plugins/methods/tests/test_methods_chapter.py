@@ -71,11 +71,8 @@ def test_settings_that_were_chosen_in_one_scene_show_what_they_are_worth_in_anot
     assert (rows[1]["error"].text, rows[1]["over"].value) == ("failed", None)
 
 
-def test_signed_lines_the_parts_of_the_time_and_the_waiting_are_in_the_tables() -> None:
+def test_every_row_and_the_waiting_are_in_the_tables() -> None:
     found = made_up_race()
-    (exudyn,) = (row for row in tables.costs(found).rows if row["method"].value == "exudyn" and row["level"].value == 1e-2)
-    assert exudyn["signed"].value == "a. n. other"
-    assert exudyn["call_seconds"].value == pytest.approx(0.9e-4)
     (waited, *_) = tables.waiting([found]).rows
     assert (waited["engine"].value, waited["status"].value, waited["claim"].value, waited["answer_seconds"].value) == (
         "reference",

@@ -10,11 +10,10 @@ from quickreturn.engines.base import Engine, EngineFailure, Refusal
 from quickreturn.engines.mujoco.engine import MujocoEngine
 from quickreturn.engines.mujoco.settings import ChainSettings
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
-from quickreturn.engines.registry import engine, engine_names
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory, relative_error
-from quickreturn.plugins.methods.rivals import RIVALS, fixed_shapes, multiplier, nodal_load, stiff_spring
+from quickreturn.plugins.methods.rivals import fixed_shapes, multiplier, nodal_load, stiff_spring
 from quickreturn.plugins.methods.rivals.fixed_shapes import FixedShapesSettings
 from quickreturn.plugins.methods.rivals.multiplier import MultiplierSettings
 from quickreturn.plugins.methods.rivals.nodal_load import NodalLoadSettings
@@ -49,16 +48,17 @@ def nodal(elements: int, distribution: str) -> Trajectory:
     return run(nodal_load.ENGINE, NodalLoadSettings(elements=elements, distribution=distribution, tolerance=1e-8))
 
 
-def test_rivals_are_listed_after_the_main_engines() -> None:
-    assert set(RIVALS) <= set(engine_names()[4:])
-    assert all(engine(name).name == name and engine(name).unavailable() is None for name in RIVALS)
-
-
 @pytest.mark.parametrize("channel", CHANNELS)
 def test_multiplier_moves_as_the_eliminated_constraint(channel: str) -> None:
     """Same beam, same shapes: what differs is integration error, 1e-9 a step in 400 steps and up to 100 times that in accelerations."""
     expected = run(fixed_shapes.ENGINE, FixedShapesSettings(shapes=SHAPES, tolerance=1e-9))
     assert relative_error(with_multiplier()[channel], expected[channel]) < 1e-5
+
+
+def test_consistent_loads_on_elements_are_the_multiplier_with_these_shapes() -> None:
+    """Two codes for one set of equations: what remains is the integration."""
+    settings = MultiplierSettings(family="hermite", shapes=12, tolerance=1e-9)
+    assert relative_error(nodal(6, "consistent")["tip_deflection"], run(multiplier.ENGINE, settings)["tip_deflection"]) < 1e-5
 
 
 @pytest.mark.parametrize("stabilization", [0.0, 100.0])

@@ -16,7 +16,8 @@ from quickreturn.engines.registry import MODEL
 from quickreturn.plugins.thesis.axes import axis_comparisons, fits_worse
 from quickreturn.plugins.thesis.experiment import below_aluminium
 from quickreturn.plugins.thesis.inference import tables
-from quickreturn.plugins.thesis.page_data import ThesisData, confirmed_of
+from quickreturn.plugins.thesis.inference.study import Confirmation
+from quickreturn.plugins.thesis.page_data import ThesisData
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reports.engine_differences import differences, summary_of
 from quickreturn.reports.long_studies import about
@@ -92,7 +93,7 @@ def thesis(content: ThesisData) -> Chapter:
             "votes": tables.votes(inference),
             "deciding": tables.deciding(inference),
             "unknowns": tables.unknowns(inference),
-            "confirmed": tables.confirmed(content.of(confirmed_of)),
+            "confirmed": tables.confirmed(content.recorded("finding_confirmed", Confirmation)),
         }
     return Chapter("thesis", "What the thesis saw", tables.headline(inference) if inference else finding(of_halves), facts)
 

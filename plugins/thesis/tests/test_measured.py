@@ -1,7 +1,6 @@
 """What the thesis prints of the experiment, and recordings of it: what of them counts, and what changes no conclusion."""
 
 import dataclasses
-import math
 import re
 from pathlib import Path
 
@@ -18,7 +17,6 @@ from quickreturn.plugins.thesis.experiment import (
     channel_is_usable,
     experiment_tables,
     measured_crank_speed,
-    statements,
 )
 from quickreturn.plugins.thesis.page_data import statement_values
 from quickreturn.reports.page.chapters import chapters_of
@@ -120,21 +118,6 @@ def test_crank_speeds_and_valid_channels_are_those_of_the_thesis() -> None:
     assert measured_crank_speed(24) == 16.617773
     assert [run for run in range(1, 25) if channel_is_usable(run, "tip_acceleration")] == list(range(9, 25))
     assert [run for run in range(1, 25) if channel_is_usable(run, "strain_2")] == list(range(2, 25))
-
-
-def test_statements_are_ranges_that_a_share_of_the_runs_shows() -> None:
-    by_id = {statement.id: statement for statement in statements()}
-    assert len(by_id) == len(statements())
-    post, pre = by_id["post-frequency"], by_id["pre-frequency"]
-    assert (post.runs, post.share, post.low, post.high) == (tuple(range(1, 25)), 1.0, 1.0, math.inf)  # "always"
-    assert (pre.low, pre.high, pre.share) == (0.97, 1.05, 0.9)  # "close to it or slightly above", "virtually all"
-    assert by_id["pre-amplitude-long-crank"].runs == tuple(range(1, 9))
-    assert by_id["second-mode"].low == by_id["second-mode"].high == 132.0
-    assert by_id["joint-cause"].kind == "cause"
-
-
-def test_there_is_no_recording_of_the_experiment_and_none_is_invented() -> None:
-    assert experiment_tables() == []
 
 
 def test_recordings_of_the_experiment_say_what_they_are(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -2,7 +2,6 @@
 
 import pytest
 
-from quickreturn.plugins.thesis.chapters.thesis import finding
 from quickreturn.plugins.thesis.experiment import below_aluminium
 from quickreturn.plugins.thesis.inference import tables
 from quickreturn.plugins.thesis.inference.study import CONFIRMED_IN, Confirmation
@@ -12,20 +11,6 @@ from quickreturn.plugins.thesis.inference.words import VOTES
 from quickreturn.plugins.thesis.page_data import inference_of
 from quickreturn.plugins.thesis.tests.made_up_inference import made_up_inference
 from tests.reports.pages import finding_of, one_run, plain, text_of
-
-
-@pytest.mark.parametrize(
-    ("ratios", "words"),
-    [
-        ({"pre": [1.12, 1.14], "post": [1.13]}, ["stiff before and after the return alike (1.13 and 1.13", "2 and 1 runs"]),
-        ({"pre": [1.10], "post": [1.15]}, ["stiff before and after the return (1.10 and 1.15"]),
-        ({"pre": [0.90], "post": [0.95]}, ["soft before"]),
-        ({"pre": [1.1], "post": []}, ["beside the converged one"]),
-    ],
-)
-def test_the_heading_says_how_stiff_the_cubic_is_where_nothing_is_inferred(ratios: dict[str, list[float]], words: list[str]) -> None:
-    told = plain(finding(ratios))
-    assert all(each in told for each in words), told
 
 
 def test_the_heading_is_the_inference_where_there_is_one() -> None:
