@@ -132,28 +132,16 @@ class Around:
         return resonance(self.case.mechanism, self.mean_speed)
 
     @property
-    def beyond(self) -> str:
-        """A sentence if the machine's own value lies beyond what was followed, otherwise ""."""
-        low, high = self.solved_curve.reach
-        return "" if low <= self.own <= high else f"The curve was followed {self._within} and says nothing of it."
-
-    @property
     def sentences(self) -> list[str]:
         """The machine's own value, the motions there, and what is nearest."""
         curve = self.solved_curve
-        mean = "its mean speed" if self.mean_speed else "the mean speed of its rigid mechanism"
-        drive = f", {mean}, which is prescribed here in place of its drive" if curve.prescribed and curve.range.key == SPEED else ""
-        own = (
-            f"Your machine runs at {self.shown(self.own)}{drive}"
-            if curve.range.key == SPEED
-            else f"Your machine has {self.shown(self.own)}"
-        )
-        first = next(iter(curve.measures))
-        told = [f"{own}.", self.beyond or motion_sentences(self.motions, MEASURES[first], self.case.units)]
-        told += [f"The curve could not be followed beyond {self.shown(each.value)} ({each.reason})." for each in curve.lost]
-        told.append(f"{self.nearest[0].upper()}{self.nearest[1:]}.")
-        silent = self.without_effect
-        return [*told, f"{silent[0].upper()}{silent[1:]}."] if silent else told
+        own = f"Your machine {'runs at' if curve.range.key == SPEED else 'has'} {self.shown(self.own)}"
+        if curve.prescribed and curve.range.key == SPEED:
+            mean = "its mean speed" if self.mean_speed else "the mean speed of its rigid mechanism"
+            own += f", {mean}, which is prescribed here in place of its drive"
+        motions = motion_sentences(self.motions, MEASURES[next(iter(curve.measures))], self.case.units)
+        clauses = filter(None, (own, motions, self.nearest, self.without_effect))
+        return [f"{each[0].upper()}{each[1:]}{'' if each.endswith('.') else '.'}" for each in clauses]
 
     @property
     def lines(self) -> list[str]:

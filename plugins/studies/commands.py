@@ -15,8 +15,7 @@ from quickreturn.dataset import dataset_file, table_file
 from quickreturn.engines.settings import SettingError
 
 DATASETS: Final = (".nc", ".csv", ".parquet")
-POINTS: Final = (".csv", ".parquet")
-TABLES: Final = (".csv", ".nc", ".parquet")
+TABLES: Final = (".csv", ".parquet")
 
 
 class _WithMeasures(click.Command):
@@ -110,7 +109,7 @@ def sweep(call: Call, axes: Sequence[str], measures: Sequence[str], claims: bool
     options.accuracy,
     options.assignments,
     _claims("half of the time"),
-    options.output(f"File for the points: {' or '.join(POINTS)}.", required=False),
+    options.output(f"File for the points: {' or '.join(TABLES)}.", required=False),
     _picture(" of bands and shares"),
     options.of_workshop,
     options.json,
@@ -134,7 +133,7 @@ def uncertainty(
     if call.units is not None:
         given["case"] = given["case"].in_units(call.units)
     points = points_of(given, study, measures, samples, engine, _merged(call.settings), claims, call.accuracy)
-    check_file(call.output, study, POINTS)
+    check_file(call.output, study, TABLES)
     check_file(plot, study, PICTURES)
     with workshop(None, call.quiet, [points.case], [points.asked.engine]) as opened:
         found = points.scatter(opened)
@@ -197,8 +196,9 @@ def resonance(call: Call, speed: str | None, vary: str | None, measures: Sequenc
     check_file(plot, loaded.source, PICTURES)
     with workshop(None, call.quiet, [loaded], ["reference"]) as opened:
         found = Resonance(loaded, value_of(opened.outcomes([curve], "resonance curve")[0]))
+    frame = found.frame
     for file in (call.output, plot):
-        write(file, lambda ending: picture(found.plot(), ending) if ending in PICTURES else found.written(ending))
+        write(file, lambda ending: picture(found.plot(), ending) if ending in PICTURES else table_file(frame, frame.attrs["units"], ending))
     call.show({"case": loaded.name, "output": call.output, **found.document()}, repr(found))
     return ExitCode.ENGINE_TROUBLE if found.curve.lost else ExitCode.GOOD
 

@@ -28,14 +28,6 @@ def test_a_cell_has_winner_factor_and_runner_up_and_its_remark_has_everybody() -
     assert "exudyn reaches it, but its own estimate does not show it" in row["speed 0.2"].note
 
 
-def test_a_lead_shows_as_a_stronger_colour() -> None:
-    known = made_up_map()
-    (alone,), (waited,) = (tables.map_table(known, 1e-2, by).rows for by in ("solve time", "waiting time"))
-    # mujoco leads by 2 in solve time and by 1.5 in waiting time
-    shares = [int(row["speed 0.2"].tint.rpartition(") ")[2].partition("%")[0]) for row in (alone, waited)]
-    assert shares[0] > shares[1] > 0
-
-
 def test_where_each_method_fails_is_counted() -> None:
     rows = {(row["method"].value, row["level"].value): row for row in tables.failing(made_up_map()).rows}
     assert rows["thesis", 1e-2]["not_reached"].value == 2

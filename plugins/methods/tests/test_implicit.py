@@ -10,10 +10,10 @@ from quickreturn.engines.accurate import simulate
 from quickreturn.engines.base import Engine
 from quickreturn.engines.own.beam_engine import BeamSettings, compared_integration
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
-from quickreturn.engines.settings import SettingError, as_texts
+from quickreturn.engines.settings import as_texts
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import relative_error
-from quickreturn.plugins.methods.rivals import fixed_shapes, moving_boundaries, multiplier, nodal_load, stiff_spring
+from quickreturn.plugins.methods.rivals import fixed_shapes, multiplier, nodal_load, stiff_spring
 from quickreturn.plugins.methods.rivals.fixed_shapes import FixedShapesSettings
 from quickreturn.plugins.methods.rivals.multiplier import MultiplierSettings
 from quickreturn.plugins.methods.rivals.nodal_load import NodalLoadSettings
@@ -124,12 +124,6 @@ def test_a_loose_explicit_integration_is_in_the_estimate() -> None:
     error = relative_error(loose["tip_acceleration"], exact["tip_acceleration"])
     assert 1e-3 < error < relative_error(loose["tip_acceleration"], other["tip_acceleration"]) / abs(parts[0].factor - 1.0)
     assert not [pair for pair in fixed_shapes.ENGINE.comparisons(settings.replaced(tolerance=1e-9), RUN_24, 1e-3) if pair.of == "time"]
-
-
-def test_moving_boundaries_has_the_explicit_one_alone() -> None:
-    settings = moving_boundaries.MovingBoundariesSettings()
-    with pytest.raises(SettingError, match=r'engine\.integrator: "implicit" is not accepted; choose one of explicit'):
-        settings.with_texts({"integrator": "implicit"})
 
 
 def test_the_steady_cycle_is_the_explicit_ones() -> None:

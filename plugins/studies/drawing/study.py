@@ -94,7 +94,7 @@ def draw(study: Study) -> Figure:
         unit = study.grid.case.units.of(about.unit)
         label, shown = textwrap.fill(f"{measure_words(about)} [{unit.sign}]", LETTERS), study.values[..., place] / unit.size
         if mapped:
-            values, endings = (np.moveaxis(each, along, 1) for each in (shown, study.statuses))
+            values, endings = np.moveaxis(shown, along, 1), np.moveaxis(study.statuses, along, 1)
             handles = _map(panel, axes[along], axes[1 - along], values, endings, statuses, label)
         else:
             handles = _lines(panel, study, along, shown, statuses)

@@ -13,12 +13,10 @@ from quickreturn.cases.files.keys import PATHS, si_value
 from quickreturn.cases.files.shown import Cell, Printable, Rows, Unit
 from quickreturn.cases.running.display import compilation_announced
 from quickreturn.computing import checked
-from quickreturn.dataset import dataset_file, table_file
 from quickreturn.plugins.studies.around import Around
 from quickreturn.plugins.studies.resonance_curve.curve import SPEED, ResonanceCurve, range_of
 from quickreturn.plugins.studies.resonance_curve.search import OF_CURVE, USUAL, resonance_curve
 from quickreturn.plugins.studies.sweep.sweeping import ERROR
-from quickreturn.reports.output import require
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -88,20 +86,6 @@ class Resonance(Printable):
         special, peaks = (table.to_dict(orient="records") for table in (self.special, self.peaks))
         columns = {str(name): frame[name].astype(object).where(frame[name].notna(), None).tolist() for name in frame.columns}
         return {**about, "own": self.around.document, "special": special, "peaks": peaks, "points": columns}
-
-    def written(self, ending: str) -> bytes:
-        """The table as the content of a file: .csv, .parquet (units in the headings) or .nc."""
-        frame = self.frame
-        if ending != ".nc":
-            return table_file(frame, frame.attrs["units"], ending)
-        require("tables", "a file .nc")
-        import xarray as xr
-
-        whole = frame.assign(peak_order=frame["peak_order"].fillna(0).astype(int)).rename_axis("point")
-        dataset = xr.Dataset.from_dataframe(whole).assign_attrs(case=self.case)
-        for name, unit in frame.attrs["units"].items():
-            dataset[name].attrs["units"] = unit
-        return dataset_file(dataset, ending)
 
     def _unit(self, name: str) -> str:
         """Unit of a column of `frame`."""

@@ -1,7 +1,6 @@
 """`quickreturn resonance` and `qr.resonance`: tables, pictures, answers to mistakes, and curves that were interrupted or lost."""
 
 import dataclasses
-import io
 import itertools
 import json
 import math
@@ -10,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-import xarray as xr
 from matplotlib.text import Text
 
 import quickreturn as qr
@@ -75,17 +73,6 @@ def test_the_claims_hold_against_a_model_with_more_modes(found: qr.Resonance) ->
     (coarse,), (fine,) = found.special.itertuples(), finer.special.itertuples()
     assert abs(coarse.value - fine.value) <= coarse.error
     assert abs(coarse.value - fine.value) > 0.2 * coarse.error  # no empty claim
-
-
-def test_files_of_every_kind(found: qr.Resonance, tmp_path: Path) -> None:
-    table = pd.read_csv(io.BytesIO(found.written(".csv")))
-    assert list(table.columns[:2]) == ["crank.prescribed_speed [rad/s]", "crank.prescribed_speed.error [rad/s]"]
-    np.testing.assert_allclose(table["peak.tip_acceleration [m/s^2]"], found.frame["peak.tip_acceleration"], rtol=1e-12)
-    assert len(pd.read_parquet(io.BytesIO(found.written(".parquet")))) == len(table)
-    (tmp_path / "curve.nc").write_bytes(found.written(".nc"))
-    dataset = xr.open_dataset(tmp_path / "curve.nc", engine="h5netcdf")
-    assert dataset["peak.tip_acceleration"].attrs["units"] == "m/s^2"
-    assert set(dataset["stability"].values) == {"stable", "neutral", "unstable: fold"}
 
 
 def test_a_picture_tells_stable_from_unstable(found: qr.Resonance) -> None:
@@ -159,7 +146,7 @@ def test_what_is_told_of_a_machine_between_fold_and_limit(found: qr.Resonance) -
 def test_a_machine_beyond_its_curve_has_no_motion_on_it(found: qr.Resonance) -> None:
     """Run 24 turns at 158.68 rpm: its torque over its damping is 158.69 rpm, and the pivot takes a part."""
     assert found.around.lines[0].startswith("Your machine runs at 158.68 rpm, the mean speed of its rigid mechanism")
-    assert "between 237.5 rpm and 241 rpm and says nothing of it" in found.around.lines[1]
+    assert found.around.lines[1] == "The curve has no motion there."
     assert found.document()["own"]["motions"] == []
     assert len(found.plot().axes[0].lines) == len(found.plot(mark=239.0 * RPM).axes[0].lines) - 1
 
@@ -170,8 +157,7 @@ def test_what_was_not_followed_is_not_said_to_be_without_peaks(found: qr.Resonan
     curve = dataclasses.replace(found.curve, special=(*found.curve.special, reason))
     high = curve.reach[1]
     assert high == pytest.approx(found.special["value"].item())
-    _, _, lost, nearest = Around(qr.case("thesis-24"), curve, unit=Unit("rpm", RPM)).lines
-    assert "beyond 237.5 rpm (the corrections ended)" in lost
+    nearest = Around(qr.case("thesis-24"), curve, unit=Unit("rpm", RPM)).lines[2]
     assert nearest.startswith(f"No peak between 237.5 rpm and {high / RPM:.5g} rpm; fold at ")
 
 
