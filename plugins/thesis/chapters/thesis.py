@@ -1,11 +1,9 @@
 """What the thesis saw: what could have made it, with the weight of each explanation, and its model beside the converged one."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final
-
-import numpy as np
 
 from quickreturn.cases.comparison.engines import CaseResult
 from quickreturn.cases.comparison.pair import Difference, Kind
@@ -23,7 +21,7 @@ from quickreturn.reports.engine_differences import differences, summary_of
 from quickreturn.reports.long_studies import about
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.tables import Column, Table
-from quickreturn.reports.words import HALF, channel_name, number, percents
+from quickreturn.reports.words import HALF, channel_name, percents
 
 #: Poisson's ratio of aluminium.
 POISSON: Final = 0.33
@@ -67,8 +65,6 @@ def twist(wanted: float, run: int = 24) -> Twist:
 
 #: Columns of a spread -> unit and format.
 _SPREAD: Final = {"median": ("1", ".3f"), "least": ("1", ".3f"), "greatest": ("1", ".3f"), "runs": ("", "d")}
-#: Halves count as alike if the excess differs between them by less than this part of itself.
-SAME_EFFECT: Final = 0.1
 #: Stiffness, N/m, of a roller that lowers the frequency of its half by 2 %, the least that the words mean.
 ONE_SIDED: Final = 18.5e3
 
@@ -76,8 +72,6 @@ ONE_SIDED: Final = 18.5e3
 def thesis(content: ThesisData) -> Chapter:
     """The chapter."""
     results, inference = content.thesis_results, content.inference
-    compared = differences(results, MODEL, "frequency")
-    of_halves = {half: [difference.ratio for difference in compared if difference.half == half] for half in HALF}
     facts: dict[str, Any] = {
         "worse": fits_worse(axis_comparisons(results)),
         "of_record": about("finding"),
@@ -95,19 +89,8 @@ def thesis(content: ThesisData) -> Chapter:
             "unknowns": tables.unknowns(inference),
             "confirmed": tables.confirmed(content.recorded("finding_confirmed", Confirmation)),
         }
-    return Chapter("thesis", "What the thesis saw", tables.headline(inference) if inference else finding(of_halves), facts)
-
-
-def finding(ratios: Mapping[str, Sequence[float]]) -> str:
-    """How stiff the single cubic is in both halves; `ratios`: half -> its frequencies over the converged ones."""
-    if not all(ratios.values()):
-        return "Its model beside the converged one"
-    pre, post = (float(np.median(ratios[half])) for half in HALVES)
-    stiff = "stiff" if pre - 1.0 + post - 1.0 > 0.0 else "soft"
-    alike = " alike" if abs(post - pre) < SAME_EFFECT * abs(pre - 1.0) else ""
-    return (
-        f"Its one cubic is too {stiff} before and after the return{alike} ({number(pre, '.2f')} and {number(post, '.2f')} times the"
-        f" converged frequency, medians of {len(ratios['pre'])} and {len(ratios['post'])} runs that resolve it)"
+    return Chapter(
+        "thesis", "What the thesis saw", tables.headline(inference) if inference else "Its model beside the converged one", facts
     )
 
 
