@@ -68,16 +68,11 @@ class Resonance(Printable):
         """Peaks of the first measure: value of the varied quantity (SI), height, order of the harmonic, mode, and both in words."""
         return _table(self.curve.peaks, "value", "height", "order", "mode").assign(harmonic=[each.name for each in self.curve.peaks])
 
-    def plot(self, mark: float | None = None) -> "Drawing":
-        """Draw each measure over the varied quantity: stable parts as lines, unstable ones dashed, special points as marks.
-
-        Args:
-            mark: value of the varied quantity (SI) at which the machine runs; None: the case's own, if the curve has a motion there.
-        """
+    def plot(self) -> "Drawing":
+        """Draw each measure over the varied quantity: stable parts as lines, unstable ones dashed, special points as marks."""
         from quickreturn.plugins.studies.drawing.resonance import resonance_figure
 
-        own = self.around.own if self.around.motions else None
-        return resonance_figure(self.curve, self.case, self._units, own if mark is None else mark)
+        return resonance_figure(self.curve, self.case, self._units, self.around.own if self.around.motions else None)
 
     def document(self) -> dict[str, Any]:
         """The JSON document: the case's own place, special points, peaks, and the points by column."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from quickreturn import computing
 from quickreturn.arguments import AnyCase, Listing, given_settings, one_case
-from quickreturn.cases.files.case import Case, parse_case
+from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.errors import CaseError, texts_given
 from quickreturn.cases.files.keys import si_text, unit_given
 from quickreturn.cases.files.shown import Units
@@ -34,8 +34,6 @@ USUAL: Final = ("peak.tip_acceleration", "multiplier")
 ERROR: Final = ".error"
 #: Attribute of a varied key: the unit in which its values were given. Its values are in SI.
 GIVEN: Final = "given_in"
-#: Attribute of a dataset that holds the study's case file.
-FILE: Final = "case_file"
 
 
 def measures() -> "Listing[Measure]":
@@ -143,35 +141,11 @@ def dataset_of(study: Study) -> "xr.Dataset":
     attributes = {
         "case": case.name,
         "title": case.title,
-        FILE: case.to_toml(),
+        "case_file": case.to_toml(),
         "engine": study.asked.engine,
         "source": f"quickreturn {version('quickreturn')}",
     }
     return xr.Dataset(variables, coordinates, attributes)
-
-
-def case_at(dataset: "xr.Dataset", place: Mapping[str, Any]) -> Case:
-    """The case at the point of a study that is nearest to some values.
-
-    Args:
-        dataset: of `sweep`, or read from its netCDF file.
-        place: a value of each varied key: numbers in SI, or texts where the dataset has texts.
-
-    Raises:
-        CaseError: a key is missing, or does not vary in this study.
-    """
-    keys = [str(key) for key in dataset.dims if key != ENGINE]
-    if set(place) != set(keys):
-        given = ", ".join(place) or "no key"
-        raise CaseError("place", None, None, f"{given} is given", f"give a value of {', '.join(keys)}")
-    case, overrides = parse_case(dataset.attrs[FILE], "the study's case"), dict[str, str]()
-    for key in keys:
-        values = dataset[key]
-        if values.dtype.kind == "f":
-            overrides[key] = si_text(key, float(values.sel({key: float(place[key])}, method="nearest")))
-        else:
-            overrides[key] = str(values.sel({key: place[key]}).item())
-    return case.with_(overrides)
 
 
 def summary(dataset: "xr.Dataset", units: Units) -> list[str]:

@@ -76,7 +76,7 @@ def test_the_claims_hold_against_a_model_with_more_modes(found: qr.Resonance) ->
 
 
 def test_a_picture_tells_stable_from_unstable(found: qr.Resonance) -> None:
-    (axes,) = found.plot(mark=240.0 * RPM).axes
+    (axes,) = found.plot().axes
     styles = {line.get_linestyle() for line in axes.lines if len(line.get_xdata()) > 2}
     assert styles == {"-", "--"}
     marks = [line for line in axes.lines if line.get_label() == "fold"]
@@ -148,7 +148,6 @@ def test_a_machine_beyond_its_curve_has_no_motion_on_it(found: qr.Resonance) -> 
     assert found.around.lines[0].startswith("Your machine runs at 158.68 rpm, the mean speed of its rigid mechanism")
     assert found.around.lines[1] == "The curve has no motion there."
     assert found.document()["own"]["motions"] == []
-    assert len(found.plot().axes[0].lines) == len(found.plot(mark=239.0 * RPM).axes[0].lines) - 1
 
 
 def test_what_was_not_followed_is_not_said_to_be_without_peaks(found: qr.Resonance) -> None:

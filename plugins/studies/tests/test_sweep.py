@@ -28,8 +28,13 @@ def test_a_grid_becomes_a_file_with_units(call: Call) -> None:
         light = found.sel({"tip.mass": 0.0})
         assert set(light["status"].values.flat) == {"settled"}
         assert np.all(light["peak.tip_acceleration.error"] < 0.02 * light["peak.tip_acceleration"])
-        case = qr.case_at(found, {"crank.prescribed_speed": 10.4, "tip.mass": 0.01})
-    again = qr.sweep(case, {"tip.mass": [0.0]}, ["peak.tip_acceleration"], claims=False, quiet=True)
+    again = qr.sweep(
+        qr.case("thesis-24", {"crank.prescribed_speed": "100 rpm"}),
+        {"tip.mass": [0.0]},
+        ["peak.tip_acceleration"],
+        claims=False,
+        quiet=True,
+    )
     assert float(again["peak.tip_acceleration"][0]) == pytest.approx(float(light["peak.tip_acceleration"][1]), rel=1e-3)
 
 
