@@ -103,18 +103,6 @@ def test_the_estimate_compares_with_tolerances_that_are_allowed(tolerance: float
     assert not compared_integration(settings.replaced(integrator="explicit", tolerance=1e-8))
 
 
-def test_more_modes_with_a_tighter_tolerance_show_the_integration_of_reference() -> None:
-    """Eleven modes at 1e-3: nothing but the integration errs."""
-    exact = made(_Run(REFERENCE, ReferenceSettings(modes=12, tolerance=1e-9)))
-    settings = as_texts({"modes": 11, "slowed_to": 0, "tolerance": 1e-3, "integrator": "implicit"})
-    result = simulate(REFERENCE, RUN_24, standard_start(RUN_24), 0.4, 1e-3, settings)
-    assert {part.of for part in result.error_parts["tip"]} == {"modes"}
-    for channel in CHANNELS:
-        estimate, error = result.error_estimates[channel], relative_error(result.trajectory[channel], exact[channel])
-        assert estimate is not None
-        assert 1e-3 < error < estimate < 2.0 * error, channel
-
-
 def test_a_loose_explicit_integration_is_in_the_estimate() -> None:
     """At 1e-3 the fast modes' acceleration is off by a tenth, and tighter tolerances leave none of that."""
     settings = FixedShapesSettings(shapes=12, tolerance=1e-3, integrator="explicit")

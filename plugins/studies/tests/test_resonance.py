@@ -1,7 +1,6 @@
 """`quickreturn resonance` and `qr.resonance`: tables, pictures, answers to mistakes, and curves that were interrupted or lost."""
 
 import dataclasses
-import itertools
 import json
 import math
 from pathlib import Path
@@ -9,16 +8,14 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from matplotlib.text import Text
 
 import quickreturn as qr
 from quickreturn.cases.files.shown import Unit
 from quickreturn.cases.running.key import key_of
 from quickreturn.cases.running.store import Pieces, encoded
 from quickreturn.plugins.studies.around import Around
-from quickreturn.plugins.studies.resonance_curve.curve import MULTIPLIER_TOLERANCE, Range, ResonancePeak, SpecialPoint, range_of
-from quickreturn.plugins.studies.resonance_curve.resonance import Resonance
-from quickreturn.plugins.studies.resonance_curve.search import _followed, checked_scenes, job, job_around
+from quickreturn.plugins.studies.resonance_curve.curve import MULTIPLIER_TOLERANCE, Range, SpecialPoint, range_of
+from quickreturn.plugins.studies.resonance_curve.search import _followed, job, job_around
 from quickreturn.reference_model.cycles.cycle_family import CycleFamily
 from quickreturn.reference_model.cycles.fixed_points import Array, Image
 from quickreturn.reference_model.cycles.poincare import CycleBroken
@@ -116,14 +113,6 @@ def test_answers_to_mistakes(call: Call, typed: tuple[str, ...], words: tuple[st
     refused(call("resonance", "thesis-24", *typed), *words)
 
 
-def test_other_values_replace_what_excludes_them() -> None:
-    held = checked_scenes(qr.case("thesis-24"), range_of("tip.mass", "0 g .. 25 g", "range"), 10.0, ())(0.02)
-    assert not held.crank_is_free
-    assert held.crank.drive.initial_speed == 10.0
-    assert held.tip_body.mass == 0.02
-    assert range_of("tip.mass", "0 g .. 25 g", "range").high == pytest.approx(0.025)
-
-
 def test_the_curve_around_a_crank_that_turns_clockwise_is_over_negative_speeds() -> None:
     case = qr.case("thesis-24", {"crank.prescribed_speed": "-100 rpm"})
     varied = job_around(case).arguments[1]
@@ -203,20 +192,6 @@ def test_peaks_are_named_by_the_frequencies_of_the_modes(call: Call) -> None:
         assert peak["order"] * peak["value"] / (2.0 * math.pi) == pytest.approx(mean, rel=0.02)
     named = pd.read_csv("curve.csv")["peak_harmonic"].dropna()
     assert sorted(named) == sorted(peak["harmonic"] for peak in peaks)
-
-
-def test_the_names_of_peaks_do_not_overlap(found: qr.Resonance) -> None:
-    places = np.array([237.52, 237.53, 237.54, 238.0, 238.75, 238.76]) * RPM
-    peaks = tuple(ResonancePeak(value, 500.0, 3, order) for order, value in enumerate(places, 4))
-    figure = Resonance(qr.case("thesis-24"), dataclasses.replace(found.curve, peaks=peaks)).plot()
-    figure.draw_without_rendering()
-    (axes,) = figure.axes
-    boxes = sorted((Text.get_window_extent(text) for text in axes.texts), key=lambda box: box.x0)  # without the lines
-    assert [text.get_text() for text in axes.texts] == [f"{order} × crank = first mode" for order in range(4, 10)]
-    assert all(one.x1 <= other.x0 for one, other in itertools.pairwise(boxes))
-    assert boxes[0].x0 > 0.0
-    assert boxes[-1].x1 < figure.bbox.x1
-    assert max(box.y1 for box in boxes) < figure.bbox.y1
 
 
 def test_a_curve_is_stored_for_the_machines_own_drive() -> None:

@@ -9,12 +9,11 @@ from matplotlib.patches import PathPatch
 from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.stability import UNSTABLE
-from quickreturn.plugins.studies.drawing.study import ENDINGS, draw, drawable
+from quickreturn.plugins.studies.drawing.study import ENDINGS, draw
 from quickreturn.plugins.studies.sweep.grid import Grid, axis
 from quickreturn.plugins.studies.sweep.rows import LEFT, MeasureRequest
 from quickreturn.plugins.studies.sweep.study import Study
 from quickreturn.plugins.studies.sweep.sweeping import dataset_of, summary
-from tests.reports.test_line_styles import APART, EYES, lab
 
 DOUBLING = UNSTABLE.format("period doubling")
 SPEEDS = "crank.prescribed_speed = 60 rpm .. 120 rpm : 13"
@@ -91,27 +90,3 @@ def test_two_keys_are_a_map_with_the_longer_one_across(order: int) -> None:
     assert levels[0] <= 1.0
     assert levels[-1] >= np.nanmax(values)
     assert set(levels) <= {m * 10.0**p for m in (1.0, 1.5, 2.0, 3.0, 5.0, 7.0) for p in range(4)}
-
-
-@pytest.mark.parametrize(
-    ("axes", "possible"),
-    [
-        ((SPEEDS,), True),
-        (("engine = reference; mujoco",), False),
-        ((SPEEDS, "tip.mass = 0 g; 1 g", "engine = reference; mujoco"), False),
-        (("tip.mass = 0 g; 20 g; 10 g",), False),
-        (("follower.bending_stiffness = 6 N*m^2; inf",), False),
-    ],
-)
-def test_what_has_a_picture(axes: tuple[str, ...], possible: bool) -> None:
-    assert drawable([axis(text) for text in axes]) is possible
-
-
-@pytest.mark.parametrize("eyes", EYES)
-def test_steps_of_colour_go_one_way_from_dark_to_bright(eyes: str) -> None:
-    """As all eyes see them, so that more is brighter for colour-blind ones, too."""
-    mesh = draw(made_up(SPEEDS, "tip.mass = 0 g .. 60 g : 7")).axes[0].collections[0]
-    colours = [f"#{''.join(f'{round(255 * part):02x}' for part in mesh.cmap(k)[:3])}" for k in range(mesh.cmap.N)]
-    lightness = np.array([lab(colour, EYES[eyes])[0] for colour in colours])
-    assert np.all(np.diff(lightness) > 1.0)
-    assert lightness[-1] - lightness[0] > 2.0 * APART

@@ -6,11 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from quickreturn.cases.comparison.engines import CaseResult, compare
+from quickreturn.cases.comparison.engines import CaseResult
 from quickreturn.cases.files.errors import CaseError
-from quickreturn.cases.motion.number import Consensus
 from quickreturn.cases.motion.time_scale import CHANNELS
-from quickreturn.plugins.thesis.axes import AxisComparison, axis_comparisons, fits_worse, measured_alone, misfit
+from quickreturn.plugins.thesis.axes import AxisComparison, fits_worse, measured_alone, misfit
 from quickreturn.plugins.thesis.experiment import (
     FOLDER_VARIABLE,
     axis_labels,
@@ -19,11 +18,7 @@ from quickreturn.plugins.thesis.experiment import (
     measured_crank_speed,
 )
 from quickreturn.plugins.thesis.page_data import statement_values
-from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.content import MeasuredHalf, measured_halves
-from quickreturn.reports.page.first_screen import answer_of
-from tests.changed_run import changed_run
-from tests.reports.pages import content_of
 from tests.reports.plotted_results import with_table
 from tests.reports.reported_results import reported_result
 
@@ -48,23 +43,6 @@ def test_recordings_of_the_experiment_alone_have_weight_in_a_verdict(run_24: Cas
     assert values["pre_amplitude"] == {24: pytest.approx(0.5)}
     assert statement_values(measured(run_24, "synthetic"), "thesis") == {}
     assert statement_values(measured(run_24, "measured", of_experiment=False), "thesis") == {}
-
-
-def test_what_is_not_ours_changes_no_statement(run_24: CaseResult) -> None:
-    """Neither an engine of another package nor a recorded table, however far off, though both are compared."""
-    wrong = changed_run(run_24.runs["mujoco"], engine="foreign", consensus=(Consensus("pre", 99.0, 0.1, 0.1),))
-    others = with_table(compare(run_24.case, {**run_24.runs, "foreign": wrong}), "tool.csv", ["strain_2", "tip_acceleration"], factor=3.0)
-    before, after = content_of(results=[run_24]), content_of(results=[others])
-    values = [statement_values(each.comparisons, "thesis") for each in (before, after)]
-    assert values == [{}, {}]
-    axes = axis_comparisons(after.results)
-    assert axes
-    assert not any("tool.csv" in axis.ratios for axis in axes)
-    told_before, told_after = ({each.id: each.finding for each in chapters_of(content)} for content in (before, after))
-    assert told_after["experiment"] == told_before["experiment"]
-    assert told_after["recorded"].startswith("tool.csv: ")
-    assert answer_of(after).cubic == answer_of(before).cubic
-    assert "foreign" in answer_of(after).engines
 
 
 def test_a_label_of_half_the_peak_is_missed_by_as_much_as_one_of_twice_the_peak() -> None:

@@ -12,14 +12,12 @@ from quickreturn.cases.library import library_case
 from quickreturn.cases.motion.catalogue import numbers
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.request import RunRequest
-from quickreturn.cases.motion.stability import NOT_CONVERGED
 from quickreturn.cases.motion.steady_state import steady_state
 from quickreturn.cases.running.isolation import STOPPED
 from quickreturn.cases.running.job import Limits, Nobody, Outcome, ThisProcess
 from quickreturn.cases.running.key import key_of
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
-from quickreturn.engines.base import NoSteadyState
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
 from quickreturn.plugins.studies.sweep import grid as of_grid
@@ -54,17 +52,6 @@ def test_a_point_is_what_run_finds() -> None:
     assert np.all(apart <= claimed), dict(zip(NAMES, apart / claimed, strict=True))
     sharp = [name != "turn.drive_work" for name in NAMES]  # within a turn, work goes to and fro a hundred times what is left of it
     assert np.all((claimed < 0.02 * np.abs(found.values[1]))[sharp])
-
-
-def test_a_search_that_strays_says_nothing_of_whether_a_machine_can_be_built(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Its reason is the place to which it strayed; that a loop cannot close is a status of scenes whose parts do not fit."""
-
-    def strayed(*_: object) -> None:
-        raise NoSteadyState("the loop cannot be closed")
-
-    monkeypatch.setattr("quickreturn.plugins.studies.sweep.rows.periodic_state", strayed)
-    found = row([at(110.0)], MeasureRequest(measures=("peak.stress",)))
-    assert (found.statuses, found.sentences) == ((NOT_CONVERGED,), ("no periodic state was found: the loop cannot be closed",))
 
 
 def test_a_motion_that_the_dampers_end_takes_from_the_drive_what_they_dissipate() -> None:
