@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Final
+from typing import Final
 
 from quickreturn.plugins.methods.chapters.methods import is_own
 from quickreturn.plugins.methods.groups import CENTRE, MEANINGS, TURNS, grid, name_of
@@ -15,7 +15,7 @@ from quickreturn.reports.long_studies import about
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.tables import Cell, Column, Table
-from quickreturn.reports.words import counted, duration, number, percent, size, times, won
+from quickreturn.reports.words import duration, number, percent, size, times, won
 
 #: Strength of the winner's colour in a cell, %: for a runner-up that is as fast, and for one that takes ten times as long or more.
 _PALE, _FULL = 8, 34
@@ -41,7 +41,6 @@ def classes(content: Content) -> Chapter | None:
         "blunt": blunt(class_map),
         "maps": [(f"{by}, to {percent(level, 'g')}", map_table(class_map, level, by)) for by in TIMES for level in LEVELS],
         "failing": failing(class_map),
-        "cells": cells(class_map),
     }
     return Chapter("classes", "Which method, where", finding(class_map, own), facts)
 
@@ -156,25 +155,3 @@ def _count(trials: Sequence[Row]) -> Cell:
     """A number of scenes; its remark names them and the first reason."""
     reason = next((f": {trial.remark}" for trial in trials if trial.remark), "")
     return Cell(len(trials), note="; ".join(trial.scene for trial in trials) + reason)
-
-
-def cells(class_map: Map) -> Table:
-    """Every method in every scene at every error, with the scene's groups."""
-    groups = [Column(name, form="g") for name in vars(CENTRE)]
-    seconds = [Column(time, unit="s", form=".3g") for time in TIMES.values()]
-    columns: list[Column | str] = ["scene", *groups, Column("difference", "sharp to", "1", ".1e"), "engine"]
-    columns += [Column("level", "error", "%", "g"), "status", *seconds, Column("error", "delivered", "%", ".2g"), "remark"]
-    table = Table(
-        "classes",
-        f"""Every method in {counted(len(class_map.scenes), "scene")}: groups, uncertainty of the solution that defines the error, times,
-        and the error of the result when the engine is asked for this error. If no settings reach the error, the table gives the least error
-        of all settings.""",
-        columns,
-        in_page=False,
-    )
-    for scene in class_map.scenes:
-        shared: dict[str, Any] = {**vars(scene.groups), "difference": scene.difference}
-        for level in LEVELS:
-            for trial in class_map.at(scene, level):
-                table.add(trial, **shared)
-    return table
