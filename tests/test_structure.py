@@ -53,9 +53,9 @@ BUDGETS = {
     "plugins/conform": 950,
     "plugins/derive": 1_995,
     "plugins/fmu": 390,
-    "plugins/methods": 2_250,
+    "plugins/methods": 2_155,
     "plugins/pack": 430,
-    "plugins/strength": 1_170,
+    "plugins/strength": 1_165,
     "plugins/studies": 2_385,
     "plugins/thesis": 1_240,
 }

@@ -187,7 +187,7 @@ def motion_sentences(motions: Sequence[tuple[float, str]], measure: Measure, uni
     # splines between points miss by some percent
     heights = [f"{number(height / unit.size, '.2g')} {unit.sign}" for height, _ in motions]
     if not motions:
-        return "The curve has no motion there."
+        return "The curve does not reach there, and says nothing of it."
     if len(motions) > 1:
         texts = [f"{height} ({UNSTABLE.format(kind) if kind else 'stable'})" for height, (_, kind) in zip(heights, motions, strict=True)]
         stable = sum(not kind for _, kind in motions)

@@ -12,7 +12,6 @@ from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import engine
 from quickreturn.engines.start import standard_start
 from quickreturn.plugins.methods.groups import Groups, groups_of, scene_of
-from quickreturn.plugins.methods.map import off_the_map
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.scene_values import changed
 
@@ -98,12 +97,3 @@ def test_a_machine_that_cannot_bend_or_does_not_turn_has_no_groups() -> None:
     scene = run_case(24).mechanism
     assert groups_of(changed(scene, {"follower.bending_stiffness": math.inf})) is None
     assert groups_of(changed(scene, {"crank.prescribed_speed": 0.0})) is None
-
-
-def test_what_no_scene_of_the_map_has_is_named() -> None:
-    scene = run_case(24).mechanism
-    assert off_the_map(scene) == []  # a torque in place of a speed is none of it: the crank is heavy
-    other = changed(scene, {"slider.friction": 0.1, "mechanism.gravity": (0.0, -9.81), "mechanism.pivot_distance": 0.4})
-    told = " ".join(off_the_map(other))
-    for name in ("slider.friction", "mechanism.gravity", "follower.length over mechanism.pivot_distance"):
-        assert name in told

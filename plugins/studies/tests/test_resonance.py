@@ -135,7 +135,7 @@ def test_what_is_told_of_a_machine_between_fold_and_limit(found: qr.Resonance) -
 def test_a_machine_beyond_its_curve_has_no_motion_on_it(found: qr.Resonance) -> None:
     """Run 24 turns at 158.68 rpm: its torque over its damping is 158.69 rpm, and the pivot takes a part."""
     assert found.around.lines[0].startswith("Your machine runs at 158.68 rpm, the mean speed of its rigid mechanism")
-    assert found.around.lines[1] == "The curve has no motion there."
+    assert found.around.lines[1] == "The curve does not reach there, and says nothing of it."
     assert found.document()["own"]["motions"] == []
 
 

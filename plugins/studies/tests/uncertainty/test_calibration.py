@@ -271,3 +271,15 @@ def test_intervals_contain_the_truth_for_tables_of_any_origin() -> None:
     # 95 % of some 70 miss 3.5; more than 8 are missed in one of 100 such tests of intervals that are right
     assert sum(each > 1.0 for each in away) <= 8
     assert max(away) < 3.0
+
+
+@pytest.mark.verify
+def test_what_a_model_lacks_is_told() -> None:
+    """The table's arm is longer by 2 %, or one gauge shows 3 % too little, and only the stiffness is free."""
+    longer = changed(CASE.mechanism, {"follower.length": 1.02 * CASE.mechanism.follower.length})
+    made = engine("reference")
+    run = run_once(made, longer, standard_start(longer), 0.5, 1e-3, made.settings_for(1e-3, longer)).trajectory
+    gauge = computed("reference") | {"strain_2": 0.97 * computed("reference")["strain_2"]}
+    for columns in (run.columns, gauge):
+        table = table_of({name: columns[name] for name in ("time", "crank_angle", *COLUMNS)}, "table", CASE.name)
+        assert "the model or the table lacks something" in repr(calibrated(CASE, table, FREE[:1]))

@@ -9,7 +9,7 @@ from quickreturn.cases.motion.settling import Cycle
 from quickreturn.cases.motion.time_scale import CHANNELS
 from quickreturn.plugins.thesis.inference.emulator import Emulator, features
 from quickreturn.plugins.thesis.inference.response import DISAGREEMENT, Request, _half, _ring, counted_frequency, respond
-from quickreturn.plugins.thesis.inference.unknowns import NAMES, PRINTED, points, scene_of, spread
+from quickreturn.plugins.thesis.inference.unknowns import NAMES, PRINTED, scene_of, spread
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from quickreturn.reference_model.scene_values import changed
@@ -105,12 +105,3 @@ def test_a_linear_number_is_exact_and_missing_ones_are_left_out() -> None:
     found = Emulator(known, wanted)(values)
     assert found.mean == pytest.approx(wanted @ np.arange(1.0, known.shape[1] + 1.0), abs=0.02)
     assert found.count == 96
-
-
-def test_a_tight_preload_makes_both_sides_alike_and_a_rigid_joint_has_no_compliance() -> None:
-    loose, tight = ({"plus": 10.0, "minus": 300.0, "joint": joint} for joint in (0.0, 1.0))
-    base = dict(zip(NAMES, points()[0], strict=True))
-    plus, minus = features(np.array([[{**base, **of}[name] for name in NAMES] for of in (loose, tight)])).T[1:3]
-    assert plus[0] > 10.0 * minus[0]
-    assert plus[1] == pytest.approx(minus[1])
-    assert features(points()[:1])[0, 1:3] == pytest.approx(0.0)
