@@ -36,7 +36,6 @@ from quickreturn.plugins.strength.turn import Explanation as Explanation
 from quickreturn.plugins.strength.turn import explain as explain
 from quickreturn.plugins.studies.resonance_curve.resonance import Resonance as Resonance
 from quickreturn.plugins.studies.resonance_curve.resonance import resonance as resonance
-from quickreturn.plugins.studies.sweep.sweeping import case_at as case_at
 from quickreturn.plugins.studies.sweep.sweeping import measures as measures
 from quickreturn.plugins.studies.sweep.sweeping import sweep as sweep
 from quickreturn.plugins.studies.uncertainty.calibration import calibrate as calibrate

@@ -62,7 +62,6 @@ OPTIONS: Final = {
     "free": "--free",
     "measures": "--measure",
     "overrides": "--set",
-    "path": "--path",
     "samples": "--samples",
     "separator": "--separator",
     "skip": "--skip",

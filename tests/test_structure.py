@@ -53,11 +53,11 @@ BUDGETS = {
     "plugins/conform": 950,
     "plugins/derive": 1_995,
     "plugins/fmu": 390,
-    "plugins/methods": 2_288,
+    "plugins/methods": 2_155,
     "plugins/pack": 430,
-    "plugins/strength": 1_275,
-    "plugins/studies": 2_510,
-    "plugins/thesis": 1_300,
+    "plugins/strength": 1_165,
+    "plugins/studies": 2_385,
+    "plugins/thesis": 1_240,
 }
 
 

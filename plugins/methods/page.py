@@ -1,13 +1,12 @@
 """What the plugin adds to the page of a report: chapters on methods."""
 
-from quickreturn.plugins.methods.chapters.accuracy import accuracy
 from quickreturn.plugins.methods.chapters.classes import classes
 from quickreturn.plugins.methods.chapters.hard import hard_scenes
 from quickreturn.plugins.methods.chapters.methods import fastest_figure, methods
 from quickreturn.reports.page.part import Part
 
 PAGE = Part(
-    chapters={methods: 50, classes: 51, accuracy: 52, hard_scenes: 53},
+    chapters={methods: 50, classes: 51, hard_scenes: 53},
     templates=("quickreturn.plugins.methods",),
     figure=fastest_figure,
 )

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from quickreturn.cases.files.errors import CaseError, as_written
-from quickreturn.cases.files.text_file import toml_of
+from quickreturn.cases.files.text_file import read_text, toml_of
 from quickreturn.engines.registry import UnknownEngine, engine
 from quickreturn.engines.settings import SettingError, Settings, as_texts
 from quickreturn.plugins.methods.row import LEVELS
@@ -39,30 +39,23 @@ class Line:
 
 def read_lines(path: Path = FILE) -> tuple[Line, ...]:
     """The lines of a file. CaseError: a mistake in it, in one sentence."""
-    try:
-        text = path.read_text("utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise CaseError(str(path), None, None, f"cannot be read ({error})", _LINE) from None
-    document = toml_of(text, str(path))
+    document = toml_of(read_text(str(path), "a file of lines"), str(path))
     given = document.get("line")
-    if set(document) != {"line"} or not isinstance(given, list):
+    if set(document) != {"line"} or not isinstance(given, list) or not all(isinstance(each, dict) for each in given):
         raise CaseError(str(path), None, None, f"has {', '.join(map(as_written, document)) or 'no line'}", _LINE)
     return tuple(_line(each, f"line {number}", str(path)) for number, each in enumerate(given, 1))
 
 
-def _line(given: Any, place: str, source: str) -> Line:
-    if not isinstance(given, dict):
-        raise CaseError(source, place, as_written(given), "is no line", _LINE)
-    for key in ("engine", "signed_by"):
-        if not isinstance(given.get(key), str) or not given[key].strip():
-            value = as_written(given[key]) if key in given else None
-            raise CaseError(source, f"{place}.{key}", value, "is not accepted" if value else "is missing", _LINE)
+def _line(given: Mapping[str, Any], place: str, source: str) -> Line:
+    name, signed_by = (given.get(key) for key in ("engine", "signed_by"))
+    if not (isinstance(name, str) and isinstance(signed_by, str) and signed_by.strip()):
+        raise CaseError(source, place, None, "lacks its engine, or who signs it", _LINE)
     settings = {key: value for key, value in given.items() if key not in ("engine", "signed_by")}
     try:
-        engine(given["engine"]).settings_type().with_texts(as_texts(settings))
+        engine(name).settings_type().with_texts(as_texts(settings))
     except (UnknownEngine, SettingError) as error:
         raise CaseError(source, place, None, str(error)) from None
-    return Line(given["engine"], given["signed_by"], settings)
+    return Line(name, signed_by, settings)
 
 
 def settings_for(line: Line, mechanism: Mechanism) -> Settings:

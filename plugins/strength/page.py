@@ -1,4 +1,4 @@
-"""The page of a report on the user's own machines: the first screen, and the chapters on strength and on the drive."""
+"""The page of a report on the user's own machines: the first screen, and the chapter on strength."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -9,8 +9,7 @@ from markupsafe import Markup
 
 from quickreturn.cases.files.shown import Units
 from quickreturn.cases.motion.number import Number
-from quickreturn.plugins.strength.case_drive import drive
-from quickreturn.plugins.strength.case_loads import HARDLY, CaseLoads, loads_on, numbers_of_case
+from quickreturn.plugins.strength.case_loads import CaseLoads, loads_on, numbers_of_case
 from quickreturn.plugins.strength.loads import UNITS
 from quickreturn.plugins.strength.words import NAMES, Load, axial_words, from_p, name_of, verdict
 from quickreturn.reports.page.chapter import Chapter
@@ -119,15 +118,13 @@ def strength(content: Content) -> Chapter | None:
 
 
 def strength_finding(cases: Sequence[CaseLoads]) -> str:
-    """The largest stress in the first case, the least safety factor, and the distance to resonance, as far as they are known."""
+    """The largest stress in the first case, and the least safety factor that is known."""
     case = cases[0]
-    loads, resonance, units, largest = case.loads[case.lead], case.resonance, case.case.units, case.stress.largest
+    loads, units, largest = case.loads[case.lead], case.case.units, case.stress.largest
     text = f"{quantity(largest.value, units.of('Pa'))} at {from_p(largest, units)}"
     if loads.factors:
         against, factor = next(iter(loads.factors.items()))
         text += f", safety {factor.text} against {against}"
-    if resonance and not (case.share is not None and case.share < HARDLY):
-        text += f"; harmonic {resonance.harmonic} is {size(resonance.detuning)} from resonance"
     return f"{case.case.name}: {text}" if len(cases) > 1 else text
 
 
@@ -167,4 +164,4 @@ def _off(load: Load) -> str:
     return "" if load.error is None else off_by(load.error, load.value)
 
 
-PAGE = Part(chapters={strength: 10, drive: 12}, templates=("quickreturn.plugins.strength",), machines=machines)
+PAGE = Part(chapters={strength: 10}, templates=("quickreturn.plugins.strength",), machines=machines)

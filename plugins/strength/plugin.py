@@ -1,4 +1,4 @@
-"""What the plugin adds: measures of loads and of the drive, what results say of them, the command `explain`, and chapters."""
+"""What the plugin adds: measures of loads and of the drive, what results say of loads, the command `explain`, and a chapter."""
 
 from quickreturn.engines.plugins import Plugin
 

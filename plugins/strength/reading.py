@@ -29,8 +29,7 @@ def of_simulation(case: Case, result: Result, loads: Loads) -> Iterator[tuple[st
 
 
 def lines(result: "CaseResult") -> Iterator[str]:
-    """Loads on the parts by the leading engine, the nearest resonance, and the drive."""
-    from quickreturn.plugins.strength.case_drive import drive_of, drive_sentences
+    """Loads on the parts by the leading engine, and the nearest resonance."""
     from quickreturn.plugins.strength.case_loads import leading_loads
 
     case, units = leading_loads(result), result.case.units
@@ -42,8 +41,6 @@ def lines(result: "CaseResult") -> Iterator[str]:
         texts += [f"{case.lead}: largest {', '.join(peaks)}"] * bool(peaks)
         if case.resonance is not None:
             texts.append(f"first mode over the crank's frequency {case.resonance.ratio:.2f}: {case.nearness}")
-    drive = drive_of(result)
-    texts += (f"{drive.lead}: {sentence[0].lower()}{sentence[1:-1]}" for sentence in drive_sentences(drive))
     return (text.replace(TIED, " ") for text in texts)
 
 

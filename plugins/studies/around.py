@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -81,11 +81,6 @@ class Around:
         """Relative difference of another value from the machine's own; negative if the other one is slower."""
         return value / self.own - 1.0 if self.own else math.inf
 
-    def order_at(self, speed: float) -> int | None:
-        """The multiple of a crank speed (rad/s) that is nearest to the first mode."""
-        first = self._first_mode
-        return None if first is None else replace(first, crank=abs(speed) / (2.0 * math.pi)).harmonic
-
     def shown(self, value: float) -> str:
         """A value of what varies: "236 rpm"."""
         return f"{number(value / self._unit.size, '.5g')} {self._unit.sign}"
@@ -137,32 +132,16 @@ class Around:
         return resonance(self.case.mechanism, self.mean_speed)
 
     @property
-    def beyond(self) -> str:
-        """A sentence if the machine's own value lies beyond what was followed, otherwise ""."""
-        low, high = self.solved_curve.reach
-        return "" if low <= self.own <= high else f"The curve was followed {self._within} and says nothing of it."
-
-    @property
     def sentences(self) -> list[str]:
-        """The machine's own value, the motions there, the unstable range around it, and what is nearest."""
+        """The machine's own value, the motions there, and what is nearest."""
         curve = self.solved_curve
-        mean = "its mean speed" if self.mean_speed else "the mean speed of its rigid mechanism"
-        drive = f", {mean}, which is prescribed here in place of its drive" if curve.prescribed and curve.range.key == SPEED else ""
-        own = (
-            f"Your machine runs at {self.shown(self.own)}{drive}"
-            if curve.range.key == SPEED
-            else f"Your machine has {self.shown(self.own)}"
-        )
-        first = next(iter(curve.measures))
-        told = [f"{own}.", self.beyond or motion_sentences(self.motions, MEASURES[first], self.case.units)]
-        told += [f"The curve could not be followed beyond {self.shown(each.value)} ({each.reason})." for each in curve.lost]
-        for low, high, kind in curve.unstable_ranges:
-            if low <= self.own <= high:
-                ends = " to ".join(map(self.shown, sorted((low, high), key=abs)))
-                told.append(f"Motions that are unstable ({kind}) reach from {ends}, and your machine lies within that range.")
-        told.append(f"{self.nearest[0].upper()}{self.nearest[1:]}.")
-        silent = self.without_effect
-        return [*told, f"{silent[0].upper()}{silent[1:]}."] if silent else told
+        own = f"Your machine {'runs at' if curve.range.key == SPEED else 'has'} {self.shown(self.own)}"
+        if curve.prescribed and curve.range.key == SPEED:
+            mean = "its mean speed" if self.mean_speed else "the mean speed of its rigid mechanism"
+            own += f", {mean}, which is prescribed here in place of its drive"
+        motions = motion_sentences(self.motions, MEASURES[next(iter(curve.measures))], self.case.units)
+        clauses = filter(None, (own, motions, self.nearest, self.without_effect))
+        return [f"{each[0].upper()}{each[1:]}{'' if each.endswith('.') else '.'}" for each in clauses]
 
     @property
     def lines(self) -> list[str]:
@@ -208,7 +187,7 @@ def motion_sentences(motions: Sequence[tuple[float, str]], measure: Measure, uni
     # splines between points miss by some percent
     heights = [f"{number(height / unit.size, '.2g')} {unit.sign}" for height, _ in motions]
     if not motions:
-        return "The curve has no motion there."
+        return "The curve does not reach there, and says nothing of it."
     if len(motions) > 1:
         texts = [f"{height} ({UNSTABLE.format(kind) if kind else 'stable'})" for height, (_, kind) in zip(heights, motions, strict=True)]
         stable = sum(not kind for _, kind in motions)

@@ -2,20 +2,18 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import Any, Final
+from typing import Final, NamedTuple
 
+from quickreturn.cases.motion.stability import UNSTABLE
 from quickreturn.plugins.studies.around import Around, around_of, nearness, work
 from quickreturn.reports.page.chapter import Chapter, Plot, Series
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.part import Part
 from quickreturn.reports.tables import CASE, Column, ColumnList, Table
-from quickreturn.reports.words import number, size
+from quickreturn.reports.words import number
 
 _SPEED: Final = Column("speed", "crank speed", "rad/s", ".5g")
 _HEIGHT: Final = Column("tip_acceleration", "largest tip acceleration in a turn", "m/s^2", ".4g")
-#: The page's name for the machine on its curve.
-OWN: Final = "your machine"
-PEAK: Final = "peak"
 
 
 def resonance(content: Content) -> Chapter | None:
@@ -25,7 +23,6 @@ def resonance(content: Content) -> Chapter | None:
         return None
     facts = {
         "cases": [(each, each.sentences[1], plot(each)) if each.curve else (each, "", None) for each in machines],
-        "table": resonances(machines),
         "curve": resonance_curve(machines),
     }
     return Chapter("resonance", "How near is a resonance?", finding(machines), facts)
@@ -39,7 +36,7 @@ def finding(cases: Sequence[Around]) -> str:
 
 
 def plot(around: Around) -> Plot:
-    """The plot: stable parts as a line, unstable ones dashed, peaks and folds with their orders, and the machine's speed."""
+    """The plot: stable parts as a line, unstable ones dashed, peaks with their orders, special points, and the machine."""
     curve, series = around.solved_curve, []
     speed_unit, height_unit = around.case.units.of("rad/s"), around.case.units.of("m/s^2")
     for name, wanted in (("stable", False), ("unstable", True)):
@@ -55,18 +52,18 @@ def plot(around: Around) -> Plot:
         if points:
             x, y, text = zip(*points, strict=True)
             series.append(Series(name, name, x, y, text, marked=False))
-    rows = list(remarkable(around))
-    for name in dict.fromkeys(row["point"] for row in sorted(rows, key=lambda row: (row["point"] == OWN, row["point"] != PEAK))):
-        of_kind = [row for row in rows if row["point"] == name]
+    marks = list(_marks(around))
+    for name in dict.fromkeys(mark.name for mark in marks):
+        of_kind = [mark for mark in marks if mark.name == name]
         series.append(
             Series(
                 name,
                 name,
-                [row["speed"] / speed_unit.size for row in of_kind],
-                [row["tip_acceleration"] / height_unit.size for row in of_kind],
-                [_told(around, row["speed"], row["tip_acceleration"], _about(around, row)) for row in of_kind],
+                [mark.speed / speed_unit.size for mark in of_kind],
+                [mark.height / height_unit.size for mark in of_kind],
+                [_told(around, mark.speed, mark.height, mark.about) for mark in of_kind],
                 line=False,
-                labels=[f"{row['order']}×" if row["order"] else "" for row in of_kind],
+                labels=[mark.label for mark in of_kind],
             )
         )
     here = (around.own / speed_unit.size, "your machine runs here")
@@ -79,48 +76,26 @@ def _told(around: Around, speed: float, height: float, about: str) -> str:
     return f"{around.shown(speed)}, {number(height / unit.size, '.4g')} {unit.sign}; {about}"
 
 
-def _about(around: Around, row: dict[str, Any]) -> str:
-    if row["point"] == OWN:
-        return str(row["stability"])
-    way = "faster" if row["distance"] > 0.0 else "slower"
-    driven = f"driven by {row['order']} times the crank’s speed; " if row["order"] else ""
-    return f"{driven}{size(row['distance'])} {way} than your machine" + (f"; {row['reason']}" if row["reason"] else "")
+class _Mark(NamedTuple):
+    """A peak, a special point or the machine itself on the curve."""
+
+    name: str
+    speed: float  # rad/s
+    height: float  # m/s^2
+    about: str
+    label: str = ""
 
 
-def resonances(cases: Sequence[Around]) -> Table:
-    """The machine, peaks and special points, from the slowest to the fastest."""
-    rows = [{"case": around.case.name, **row} for around in cases if around.curve for row in remarkable(around)]
-    units = cases[0].case.units
-    distance, reason = Column("distance", "from your speed", "%", "+.2f"), Column("reason", "the curve ends because")
-    ends = [reason] if any(row["reason"] for row in rows) else []
-    table = Table(
-        "resonances",
-        """The machine on its resonance curve, and the peaks and special points within 15 % of its speed. Order: the multiple of the crank's
-        speed that lies nearest to the first mode at this point.""",
-        (CASE, "point", "stability", Column("order", form="d"), _SPEED.shown_in(units), distance, _HEIGHT.shown_in(units), *ends),
-    )
-    for row in rows:
-        table.add(row)
-    return table
-
-
-def remarkable(around: Around) -> Iterator[dict[str, Any]]:
-    """The machine, peaks and special points of one curve, as rows of `resonances` from the slowest to the fastest."""
+def _marks(around: Around) -> Iterator[_Mark]:
     curve = around.solved_curve
-    rows = [_row(around, OWN, around.own, height, kind) for height, kind in around.motions]
-    rows += [_row(around, PEAK, point.value, point.height, curve.kinds[point.at], point.order) for point in curve.peaks]
+    for peak in curve.peaks:
+        about = f"driven by {peak.order} times the crank’s speed; {around.way(peak.value)} than your machine"
+        yield _Mark("peak", peak.value, peak.height, about, f"{peak.order}×")
     for point in curve.special:
-        order = around.order_at(point.value) if point.kind == "fold" else None
-        rows.append(_row(around, point.kind, point.value, float(around.heights[point.at]), None, order, point.reason))
-    yield from sorted(rows, key=lambda row: abs(row["speed"]))
-
-
-def _row(
-    around: Around, point: str, speed: float, height: float, kind: str | None, order: int | None = None, reason: str = ""
-) -> dict[str, Any]:
-    stability = "" if kind is None else f"unstable: {kind}" if kind else "stable"
-    row = {"point": point, "stability": stability, "order": order, "speed": speed}
-    return row | {"distance": around.faster(speed), "tip_acceleration": height, "reason": reason}
+        about = "; ".join(filter(None, (f"{around.way(point.value)} than your machine", point.reason)))
+        yield _Mark(point.kind, point.value, float(around.heights[point.at]), about)
+    for height, kind in around.motions:
+        yield _Mark("your machine", around.own, height, UNSTABLE.format(kind) if kind else "stable")
 
 
 def resonance_curve(cases: Sequence[Around]) -> Table:

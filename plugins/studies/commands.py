@@ -15,8 +15,7 @@ from quickreturn.dataset import dataset_file, table_file
 from quickreturn.engines.settings import SettingError
 
 DATASETS: Final = (".nc", ".csv", ".parquet")
-POINTS: Final = (".csv", ".parquet")
-TABLES: Final = (".csv", ".nc", ".parquet")
+TABLES: Final = (".csv", ".parquet")
 
 
 class _WithMeasures(click.Command):
@@ -51,7 +50,6 @@ def _merged(settings: Mapping[str, Mapping[str, str]]) -> dict[str, str]:
     options.engines,
     options.accuracy,
     options.assignments,
-    options.single("--path", metavar="WAY", default="up", help="Direction through each row: up (default), down or both."),
     _claims("half of the time or more"),
     options.output("File for the result of every point: .nc, .csv or .parquet.  [required]", required=False),
     _picture(": lines over one key, a heat map over two"),
@@ -59,7 +57,7 @@ def _merged(settings: Mapping[str, Mapping[str, str]]) -> dict[str, str]:
     options.json,
     cls=_WithMeasures,
 )
-def sweep(call: Call, axes: Sequence[str], measures: Sequence[str], path: str, claims: bool, plot: str | None) -> int:
+def sweep(call: Call, axes: Sequence[str], measures: Sequence[str], claims: bool, plot: str | None) -> int:
     """Measure the settled motion of every machine of a grid.
 
     Any key of a case file can vary, with values and units as there, and so can engines ("engine = reference; mujoco"). Each row of the grid
@@ -88,7 +86,7 @@ def sweep(call: Call, axes: Sequence[str], measures: Sequence[str], path: str, c
             raise click.UsageError(f"--plot: {accepted}; leave --plot out, or vary less")
     tell_slow([loaded])
     with workshop(None, call.quiet, [loaded], call.engines) as opened:
-        found = computed(loaded, varied, measures or USUAL, call.engines[0], call.accuracy, texts, claims, path, opened)
+        found = computed(loaded, varied, measures or USUAL, call.engines[0], call.accuracy, texts, claims, opened)
     dataset = dataset_of(found)
     write(call.output, lambda ending: dataset_file(dataset, ending))
     write(plot, lambda ending: picture(draw(found), ending))
@@ -111,7 +109,7 @@ def sweep(call: Call, axes: Sequence[str], measures: Sequence[str], path: str, c
     options.accuracy,
     options.assignments,
     _claims("half of the time"),
-    options.output(f"File for the points: {' or '.join(POINTS)}.", required=False),
+    options.output(f"File for the points: {' or '.join(TABLES)}.", required=False),
     _picture(" of bands and shares"),
     options.of_workshop,
     options.json,
@@ -135,7 +133,7 @@ def uncertainty(
     if call.units is not None:
         given["case"] = given["case"].in_units(call.units)
     points = points_of(given, study, measures, samples, engine, _merged(call.settings), claims, call.accuracy)
-    check_file(call.output, study, POINTS)
+    check_file(call.output, study, TABLES)
     check_file(plot, study, PICTURES)
     with workshop(None, call.quiet, [points.case], [points.asked.engine]) as opened:
         found = points.scatter(opened)
@@ -198,8 +196,9 @@ def resonance(call: Call, speed: str | None, vary: str | None, measures: Sequenc
     check_file(plot, loaded.source, PICTURES)
     with workshop(None, call.quiet, [loaded], ["reference"]) as opened:
         found = Resonance(loaded, value_of(opened.outcomes([curve], "resonance curve")[0]))
+    frame = found.frame
     for file in (call.output, plot):
-        write(file, lambda ending: picture(found.plot(), ending) if ending in PICTURES else found.written(ending))
+        write(file, lambda ending: picture(found.plot(), ending) if ending in PICTURES else table_file(frame, frame.attrs["units"], ending))
     call.show({"case": loaded.name, "output": call.output, **found.document()}, repr(found))
     return ExitCode.ENGINE_TROUBLE if found.curve.lost else ExitCode.GOOD
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Final
+from typing import Any, ClassVar, Final, TypeVar
 
 import numpy as np
 
@@ -15,16 +15,17 @@ from quickreturn.cases.library.thesis.inconsistencies import inconsistencies
 from quickreturn.cases.motion.cycle import HALVES, consensus_of
 from quickreturn.cases.running.job import Job
 from quickreturn.engines.registry import MODEL
-from quickreturn.plugins.thesis import records
 from quickreturn.plugins.thesis.axes import axis_comparisons, fits_worse, thesis_runs
 from quickreturn.plugins.thesis.experiment import channel_is_usable, experiment_tables
-from quickreturn.plugins.thesis.inference.study import Confirmation
+from quickreturn.plugins.thesis.inference.study import Row
 from quickreturn.plugins.thesis.inference.tables import headline
 from quickreturn.plugins.thesis.inference.weights import Inference, infer
 from quickreturn.plugins.thesis.sharpness import Planted, found_words
-from quickreturn.plugins.thesis.starts import Start
 from quickreturn.reference_model.mechanism import TorqueDrive
+from quickreturn.reports.long_studies import table
 from quickreturn.reports.page.content import Content, MeasuredHalf, Subject
+
+T = TypeVar("T")
 
 
 def counts(item: MeasuredHalf) -> bool:
@@ -89,6 +90,10 @@ class ThesisData(Content):
         """Recordings of the experiment."""
         return experiment_tables()
 
+    def recorded(self, study: str, kind: type[T]) -> list[T]:
+        """The rows of a recorded study, for a report with the thesis' example run."""
+        return table(study, kind) if self.workshop and self.has(ORIGINAL) else []
+
     @property
     def inference(self) -> Inference | None:
         """The weights of what could have made the thesis' finding, from the recorded study; None without it."""
@@ -106,7 +111,7 @@ class ThesisData(Content):
             return Subject()
         inferred = f"{headline(self.inference)}." if self.inference else ""
         fits = AXES_FIT if fits_worse(axis_comparisons(self.thesis_results)) else ""
-        found = found_words(self.of(planted_of))
+        found = found_words(self.recorded("planted", Planted))
         return Subject(
             arm="thin aluminium",
             consequence=", and the arm whips",
@@ -132,24 +137,9 @@ class ThesisData(Content):
 
 def inference_of(content: Content) -> Inference | None:
     """The inference from the recorded study and from recordings of the experiment, for a report with the thesis' example run."""
-    rows = tuple(records.finding()) if content.workshop and content.has(ORIGINAL) else ()
+    rows = tuple(table("finding", Row)) if content.workshop and content.has(ORIGINAL) else ()
     if not rows or content.workshop is None:
         return None
     job = Job("weights of explanations", infer, (rows, statement_values(content.comparisons, MODEL)), kind="weights of explanations")
     (outcome,) = content.workshop.outcomes([job], "weights of explanations")
     return outcome.value
-
-
-def confirmed_of(content: Content) -> Sequence[Confirmation]:
-    """Two engines on the likeliest machines, as recorded, for a report with the thesis' example run."""
-    return records.confirmed() if content.workshop and content.has(ORIGINAL) else []
-
-
-def planted_of(content: Content) -> Sequence[Planted]:
-    """The recorded study of planted errors, for a report with the thesis' example run."""
-    return records.planted() if content.workshop and content.has(ORIGINAL) else []
-
-
-def starts_of(content: Content) -> Sequence[Start]:
-    """The recorded study of other starts, for a report with the thesis' example run."""
-    return records.starts() if content.workshop and content.has(ORIGINAL) else []

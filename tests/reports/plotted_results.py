@@ -144,7 +144,7 @@ def with_table(
     return compare(result.case, result.runs, {**result.recorded, name: recorded_run(table, result.case)})
 
 
-def with_strength(result: CaseResult, **strengths: float | None) -> CaseResult:
+def with_strength(result: CaseResult, **strengths: Any) -> CaseResult:
     """The same results of an arm of another material."""
     mechanism = result.case.mechanism
     scene = dataclasses.replace(mechanism, follower=dataclasses.replace(mechanism.follower, **strengths))

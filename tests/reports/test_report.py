@@ -85,7 +85,7 @@ def test_a_failure_is_told_in_full_and_what_comes_from_outside_is_escaped(folder
 
 
 def test_the_chapters_stand_in_their_order_and_are_closed(folder: Path, read: PageReader) -> None:
-    wanted = ["agreement", "runs", "methods", "thesis", "accuracy", "experiment", "inconsistencies", "each", "provenance", "files"]
+    wanted = ["agreement", "runs", "methods", "thesis", "experiment", "inconsistencies", "each", "provenance", "files"]
     assert [anchor for anchor in read.anchors if anchor in wanted] == wanted
     assert len(set(read.anchors)) == len(read.anchors)
     assert "<details open" not in (folder / "index.html").read_text("utf-8")

@@ -2,8 +2,8 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any, Final
+from dataclasses import replace
+from typing import Final
 
 from quickreturn.plugins.methods.chapters.methods import is_own
 from quickreturn.plugins.methods.groups import CENTRE, MEANINGS, TURNS, grid, name_of
@@ -15,7 +15,7 @@ from quickreturn.reports.long_studies import about
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.tables import Cell, Column, Table
-from quickreturn.reports.words import counted, duration, number, percent, size, times, won
+from quickreturn.reports.words import duration, number, percent, size, times, won
 
 #: Strength of the winner's colour in a cell, %: for a runner-up that is as fast, and for one that takes ten times as long or more.
 _PALE, _FULL = 8, 34
@@ -26,95 +26,63 @@ CHOSEN: Final = "; all settings are this project’s choice"
 _SPEED: Final = "crank speed over the lowest bending frequency"
 
 
-@dataclass(frozen=True)
-class Winners:
-    """Who is first in how many classes.
-
-    Attributes:
-        level: relative error that each method must reach.
-        by: the time that counts, one of `TIMES`.
-        wins: engine -> number of classes in which it is first, the most frequent winner first.
-        factors: how many times as long the runner-up takes, where the most frequent winner is first and another reaches the error.
-    """
-
-    level: float
-    by: str
-    wins: Mapping[str, int]
-    factors: Sequence[float]
-
-
 def classes(content: Content) -> Chapter | None:
     """The chapter; None if no map was recorded."""
     class_map = content.of(map_of)
     if not class_map.scenes:
         return None
-    scenes = len(class_map.scenes)
-    winners = [winners_of(class_map, level, by) for level in LEVELS for by in TIMES]
     own = [name for name in dict.fromkeys(trial.engine for trial in class_map.trials) if is_own(name)]
     facts = {
         "of_record": about("classes"),
         "turns": TURNS,
-        "winners": [winners_words(each, scenes) for each in winners],
+        "winners": [winners(class_map, level, by) for level in LEVELS for by in TIMES],
         "own": own,
         "meanings": MEANINGS,
         "blunt": blunt(class_map),
         "maps": [(f"{by}, to {percent(level, 'g')}", map_table(class_map, level, by)) for by in TIMES for level in LEVELS],
         "failing": failing(class_map),
-        "cells": cells(class_map),
     }
-    missing = len(list(grid())) - scenes
-    return Chapter("classes", "Which method, where", finding(winners[0], winners[1].wins, scenes, missing, own), facts)
+    return Chapter("classes", "Which method, where", finding(class_map, own), facts)
 
 
-def finding(alone: Winners, waited: Mapping[str, int], scenes: int, missing: int, own: Sequence[str]) -> str:
-    """The most frequent winner by solve time and its lead, and the winners by waiting time.
-
-    Args:
-        alone: the winners by solve time.
-        waited: wins by waiting time.
-        scenes: number of classes.
-        missing: number of classes of the map that are not recorded.
-        own: engines that are code of this project.
-    """
-    level, of_classes = percent(alone.level, "g"), f"of {scenes} classes of machines"
-    if alone.wins:
-        name, count = next(iter(alone.wins.items()))
+def finding(class_map: Map, own: Sequence[str]) -> str:
+    """The most frequent winner by solve time to the larger error and its lead, and the winners by waiting time; `own`: see `is_own`."""
+    scenes, level = len(class_map.scenes), LEVELS[0]
+    by_solving, waited = (class_map.factors(level, by) for by in TIMES)
+    of_classes = f"of {scenes} classes of machines"
+    text = f"No engine reaches {percent(level, 'g')} in any {of_classes}"
+    if by_solving:
+        name, factors = next(iter(by_solving.items()))
         code = ", this project’s own code," if name in own else ""
-        text = f"{name}{code} solves fastest to {level} in {count} {of_classes} ({_lead(alone.factors)})"
-    else:
-        text = f"No engine reaches {level} in any {of_classes}"
+        text = f"{name}{code} solves fastest to {percent(level, 'g')} in {len(factors)} {of_classes} ({_lead(factors)})"
+    missing = len(list(grid())) - scenes
     unrecorded = f"; {missing} more classes of the map are not recorded" if missing else ""
     return f"{text}; by waiting time, {_won(waited)}{CHAIN if 'mujoco' in waited else ''}{unrecorded}{CHOSEN if own else ''}"
 
 
-def _won(wins: Mapping[str, int]) -> str:
-    return won(wins) or "no engine in any class"
+def _won(factors: Mapping[str, Sequence[float]]) -> str:
+    return won({name: len(of_name) for name, of_name in factors.items()}) or "no engine in any class"
 
 
 def _lead(factors: Sequence[float]) -> str:
-    """How much longer the runner-up takes."""
-    if not factors:
+    """How much longer the runner-up takes, where another engine reaches the error."""
+    known = [factor for factor in factors if factor < math.inf]
+    if not known:
         return "no other reaches it"
-    least = f"{number(min(factors), '.2g')} to " if len(factors) > 1 else ""
-    return f"the next takes {least}{times(max(factors))} as long"
+    least = f"{number(min(known), '.2g')} to " if len(known) > 1 else ""
+    return f"the next takes {least}{times(max(known))} as long"
 
 
-def winners_words(winners: Winners, scenes: int) -> str:
-    """The winners to an error by a time."""
-    unwon = scenes - sum(winners.wins.values())
-    return f"{winners.by}, to {percent(winners.level, 'g')}: {_won(winners.wins)}{f'; {unwon} nobody wins' if unwon else ''}."
+def winners(class_map: Map, level: float, by: str) -> str:
+    """The winners to an error by one of `TIMES`, each with the number of its classes."""
+    factors = class_map.factors(level, by)
+    unwon = len(class_map.scenes) - sum(map(len, factors.values()))
+    return f"{by}, to {percent(level, 'g')}: {_won(factors)}{f'; {unwon} nobody wins' if unwon else ''}."
 
 
 def blunt(class_map: Map) -> list[str]:
     """Scenes whose solution no second formulation confirms to a tenth of the smaller error."""
     return [scene.name for scene in class_map.scenes if scene.difference is None or scene.difference > 0.1 * LEVELS[-1]]
-
-
-def winners_of(class_map: Map, level: float, by: str) -> Winners:
-    """Who is first in how many classes, to an error by a time (see `Winners`)."""
-    factors_of = class_map.factors(level, by)
-    factors = [factor for factor in next(iter(factors_of.values()), []) if factor < math.inf]
-    return Winners(level, by, {name: len(lead) for name, lead in factors_of.items()}, factors)
 
 
 def map_table(class_map: Map, level: float, by: str) -> Table:
@@ -187,25 +155,3 @@ def _count(trials: Sequence[Row]) -> Cell:
     """A number of scenes; its remark names them and the first reason."""
     reason = next((f": {trial.remark}" for trial in trials if trial.remark), "")
     return Cell(len(trials), note="; ".join(trial.scene for trial in trials) + reason)
-
-
-def cells(class_map: Map) -> Table:
-    """Every method in every scene at every error, with the scene's groups."""
-    groups = [Column(name, form="g") for name in vars(CENTRE)]
-    seconds = [Column(time, unit="s", form=".3g") for time in TIMES.values()]
-    columns: list[Column | str] = ["scene", *groups, Column("difference", "sharp to", "1", ".1e"), "engine"]
-    columns += [Column("level", "error", "%", "g"), "status", *seconds, Column("error", "delivered", "%", ".2g"), "remark"]
-    table = Table(
-        "classes",
-        f"""Every method in {counted(len(class_map.scenes), "scene")}: groups, uncertainty of the solution that defines the error, times,
-        and the error of the result when the engine is asked for this error. If no settings reach the error, the table gives the least error
-        of all settings.""",
-        columns,
-        in_page=False,
-    )
-    for scene in class_map.scenes:
-        shared: dict[str, Any] = {**vars(scene.groups), "difference": scene.difference}
-        for level in LEVELS:
-            for trial in class_map.at(scene, level):
-                table.add(trial, **shared)
-    return table

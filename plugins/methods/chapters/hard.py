@@ -22,8 +22,8 @@ from quickreturn.plugins.methods.row import (
 from quickreturn.plugins.methods.studies import REQUESTED, hard_scenes_of
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
-from quickreturn.reports.tables import Cell, Column, ColumnList, Mark, Table
-from quickreturn.reports.words import TIED, counted, number, settings_words, size
+from quickreturn.reports.tables import Cell, Column, Mark, Table
+from quickreturn.reports.words import TIED, counted, number, size
 
 #: The look of a status. The cell also contains its words, so that colour alone carries no information.
 _MARKS: Final[Mapping[str, Mark]] = {
@@ -52,7 +52,6 @@ def hard_scenes(content: Content) -> Chapter | None:
         "model": MODEL,
         "impossible": list(IMPOSSIBLE.values()),
         "statuses": statuses(found.races),
-        "answers": answers(rows),
     }
     return Chapter("hard", "Hard scenes", finding(rows), facts)
 
@@ -95,13 +94,3 @@ def cell(row: Row) -> Cell:
     at = f" at {number(row.time, '.4g')}{TIED}s" if row.time else ""
     claim = "" if row.claim is None else f"claims {size(row.claim)}; "
     return Cell(row.status, f"{row.status}{at}{off}", f"{claim}{row.remark}", _MARKS[row.status])
-
-
-def answers(rows: Sequence[Row]) -> Table:
-    """Every answer, as a file."""
-    units = {"error": "1", "worst": "1", "claim": "1", "time": "s", "answer_seconds": "s"}
-    columns: ColumnList = ["scene", "engine", "status", *(Column(key, unit=unit) for key, unit in units.items()), "settings", "remark"]
-    table = Table("hard_scenes_answers", "Every answer in the hard scenes.", columns, in_page=False)
-    for row in rows:
-        table.add(row, settings=settings_words(row.settings))
-    return table

@@ -45,7 +45,6 @@ def methods(content: Content) -> Chapter | None:
         "fastest": [(by, fastest(found.races, by)) for by in CRITERIA],
         "factors": factors(found.races),
         "entrants": entrants(first),
-        "costs": costs(first),
         "chosen": chosen(found.races),
         "plots": [(each, {by: errors_over_time(each, by) for by in CRITERIA}, is_confirmed(each)) for each in found.races],
         "waiting": waiting(found.races),
@@ -167,30 +166,6 @@ def entrants(found: Race) -> Table:
     for name in dict.fromkeys(row.method for row in found.given):
         rows = [row for row in found.given if row.method == name]
         table.add(entrant(rows[0]), method=name, runs=len(rows))
-    return table
-
-
-def costs(found: Race) -> Table:
-    """The parts of the time of each method at each level, by the worst of four columns."""
-    heads = {"solve_seconds": "first below", "call_seconds": "a call", "rows_seconds": "rows", "setup_seconds": "set-up"}
-    columns = [Column(key, head, "µs" if key == "call_seconds" else "ms", ".3g") for key, head in heads.items()]
-    table = Table(
-        "costs",
-        f"""Parts of the time in {case_label(found.case)}: time at the level, right-hand sides of the first run below it (time steps of a
-        package), the least time for one, measured in turns, and the time for the rows of observables, which is part of the solve time.""",
-        (
-            _SCENE[1],
-            "method",
-            "settings",
-            Column("at_level", "at the level", "ms", ".3g"),
-            Column("calls", "right-hand sides", form=".0f"),
-            *columns,
-            "signed",
-        ),
-    )
-    for level in LEVELS:
-        for name, at in standings(found.given, level).items():
-            table.add(at.row, level=level, method=name, settings=settings_words(at.row.settings), at_level=at.seconds)
     return table
 
 

@@ -1,31 +1,10 @@
 """The chapter on classes says what the map says: who is first, by how much, by which time, and where each method fails."""
 
-import dataclasses
-
-import pytest
-
 from quickreturn.plugins.methods.chapters import classes as tables
-from quickreturn.plugins.methods.chapters.classes import Winners, finding
+from quickreturn.plugins.methods.chapters.classes import finding
+from quickreturn.plugins.methods.map import Map
 from quickreturn.plugins.methods.tests.made_up_map import made_up_map
 from quickreturn.plugins.methods.tests.pages import one_run, plain, read, text_of
-
-SOLVED = Winners(1e-2, "solve time", {"a": 20, "b": 9}, (1.43, 12.0, 48.4))
-
-
-@pytest.mark.parametrize(
-    ("factors", "waited", "own", "words"),
-    [
-        ((1.43, 12.0, 48.4), {"b": 15, "a": 14}, ["a"], ["project’s own code", "20 of 30", "1.4 to 48 times", "b in 15, a in 14; 2 more"]),
-        ((3.5,), {"mujoco": 3}, [], ["20 of 30", "3.5 times", "mujoco in 3 (mujoco is this project’s chain"]),
-        ((), {}, [], ["no other reaches it", "no engine in any class"]),
-    ],
-)
-def test_the_heading_has_the_winner_its_lead_and_who_is_done_first(
-    factors: tuple[float, ...], waited: dict[str, int], own: list[str], words: list[str]
-) -> None:
-    told = plain(finding(dataclasses.replace(SOLVED, factors=factors), waited, 30, 2, own))
-    assert all(each in told for each in words), told
-    assert ("all settings are this project’s choice" in told) == bool(own)
 
 
 def test_the_page_counts_wins_and_names_scenes_without_a_sharp_solution() -> None:
@@ -35,8 +14,7 @@ def test_the_page_counts_wins_and_names_scenes_without_a_sharp_solution() -> Non
     assert "solve time, to 0.1 %: reference in 1, mujoco in 1; 1 nobody wins" in told
     assert tables.blunt(made_up_map()) == ["speed 0.2", "speed 0.5"]
     assert "speed 0.2 and speed 0.5: use the numbers there with care" in told
-    nobody = Winners(1e-2, "solve time", {}, ())
-    assert plain(finding(nobody, {}, 3, 0, [])).startswith("No engine reaches 1 %")
+    assert plain(finding(Map(made_up_map().scenes), [])).startswith("No engine reaches 1 %")
 
 
 def test_a_cell_has_winner_factor_and_runner_up_and_its_remark_has_everybody() -> None:
@@ -48,14 +26,6 @@ def test_a_cell_has_winner_factor_and_runner_up_and_its_remark_has_everybody() -
     (row,) = tables.map_table(made_up_map(), 1e-2, "waiting time").rows
     assert row["speed 0.05"].value == "fixed-shapes"
     assert "exudyn reaches it, but its own estimate does not show it" in row["speed 0.2"].note
-
-
-def test_a_lead_shows_as_a_stronger_colour() -> None:
-    known = made_up_map()
-    (alone,), (waited,) = (tables.map_table(known, 1e-2, by).rows for by in ("solve time", "waiting time"))
-    # mujoco leads by 2 in solve time and by 1.5 in waiting time
-    shares = [int(row["speed 0.2"].tint.rpartition(") ")[2].partition("%")[0]) for row in (alone, waited)]
-    assert shares[0] > shares[1] > 0
 
 
 def test_where_each_method_fails_is_counted() -> None:

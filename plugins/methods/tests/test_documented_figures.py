@@ -6,7 +6,6 @@ import re
 import pytest
 
 from quickreturn.engines.registry import MODEL
-from quickreturn.plugins.methods.chapters.classes import winners_of
 from quickreturn.plugins.methods.fronts import DEFLECTION, standings
 from quickreturn.plugins.methods.map import TIMES
 from quickreturn.plugins.methods.row import LEVELS, REACHED
@@ -64,17 +63,17 @@ def test_counts_of_classes_are_those_of_the_recorded_map(document: str) -> None:
     """In how many classes `reference` is first by solve time, and the lead at 1 %."""
     known, text, by_solving = class_map(), " ".join(prose(document).split()), next(iter(TIMES))
     (found,) = re.finditer(r"([\d.]+) to ([\d.]+) times as long to 1 %|to 1 % it takes ([\d.]+) to ([\d.]+)", text)
-    winners = winners_of(known, 1e-2, by_solving)
+    factors = known.factors(1e-2, by_solving)["reference"]
     lead = [float(each) for each in found.groups() if each]
-    assert lead == pytest.approx([min(winners.factors), max(winners.factors)], rel=0.05)
+    assert lead == pytest.approx([min(factors), max(factors)], rel=0.05)
     for level in (1e-2, 1e-3):
-        wins = winners_of(known, level, by_solving).wins["reference"]
+        wins = len(known.factors(level, by_solving)["reference"])
         assert re.search(rf"in {wins} of (the )?{len(known.scenes)} (classes|scenes)", text, re.IGNORECASE)
 
 
 def test_winners_by_waiting_time_are_those_of_the_recorded_map() -> None:
     text, (_, by_waiting) = " ".join(prose("docs/studies.md").split()), TIMES
-    wins = winners_of(class_map(), 1e-2, by_waiting).wins
+    wins = {name: len(factors) for name, factors in class_map().factors(1e-2, by_waiting).items()}
     assert re.search(rf"wins {wins['mujoco']}( classes)?, `fixed-shapes` {wins['fixed-shapes']}, `reference` {wins['reference']}", text)
 
 

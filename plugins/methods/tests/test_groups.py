@@ -1,6 +1,5 @@
 """The groups of a machine are what their words say, make the scene again, and tell all that the motion depends on."""
 
-import dataclasses
 import math
 
 import numpy as np
@@ -12,8 +11,7 @@ from quickreturn.cases.library.thesis import run_case
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import engine
 from quickreturn.engines.start import standard_start
-from quickreturn.plugins.methods.groups import ROWS, TURNS, Groups, case_of, grid, groups_of, name_of, scene_of
-from quickreturn.plugins.methods.map import distance, off_the_map
+from quickreturn.plugins.methods.groups import Groups, groups_of, scene_of
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.scene_values import changed
 
@@ -99,28 +97,3 @@ def test_a_machine_that_cannot_bend_or_does_not_turn_has_no_groups() -> None:
     scene = run_case(24).mechanism
     assert groups_of(changed(scene, {"follower.bending_stiffness": math.inf})) is None
     assert groups_of(changed(scene, {"crank.prescribed_speed": 0.0})) is None
-
-
-def test_the_scenes_of_the_map_differ_and_last_whole_turns() -> None:
-    names = [name_of(groups) for groups in grid()]
-    assert len(names) == len(set(names)) == 32
-    case = case_of(next(grid()))
-    assert case.mechanism.crank.drive.initial_speed * case.duration == pytest.approx(2.0 * math.pi * TURNS)
-    assert case.duration / case.output_step == pytest.approx(ROWS)
-
-
-def test_what_no_scene_of_the_map_has_is_named() -> None:
-    scene = run_case(24).mechanism
-    assert off_the_map(scene) == []  # a torque in place of a speed is none of it: the crank is heavy
-    other = changed(scene, {"slider.friction": 0.1, "mechanism.gravity": (0.0, -9.81), "mechanism.pivot_distance": 0.4})
-    told = " ".join(off_the_map(other))
-    for name in ("slider.friction", "mechanism.gravity", "follower.length over mechanism.pivot_distance"):
-        assert name in told
-
-
-def test_a_step_of_the_map_is_about_a_row_or_a_column() -> None:
-    centre = Groups(speed=0.2, tip=0.5, crank=0.25, damping=0.003, joint=math.inf)
-    assert distance(centre, centre) == 0.0
-    assert distance(centre, dataclasses.replace(centre, speed=0.1)) == pytest.approx(1.0)
-    for group, value in (("tip", 2.0), ("crank", 0.38), ("damping", 0.03), ("joint", 1000.0)):
-        assert 0.5 <= distance(centre, dataclasses.replace(centre, **{group: value})) <= 2.0

@@ -71,22 +71,6 @@ def test_settings_that_were_chosen_in_one_scene_show_what_they_are_worth_in_anot
     assert (rows[1]["error"].text, rows[1]["over"].value) == ("failed", None)
 
 
-def test_signed_lines_the_parts_of_the_time_and_the_waiting_are_in_the_tables() -> None:
-    found = made_up_race()
-    (exudyn,) = (row for row in tables.costs(found).rows if row["method"].value == "exudyn" and row["level"].value == 1e-2)
-    assert exudyn["signed"].value == "a. n. other"
-    assert exudyn["call_seconds"].value == pytest.approx(0.9e-4)
-    (waited, *_) = tables.waiting([found]).rows
-    assert (waited["engine"].value, waited["status"].value, waited["claim"].value, waited["answer_seconds"].value) == (
-        "reference",
-        "reached",
-        7e-3,
-        0.5,
-    )
-    assert len(tables.every_row([found]).rows) == len(found.given)
-    assert tables.scenes([found]).rows[0]["error"].value == 1e-4
-
-
 def test_a_doubtful_solution_is_a_warning_and_without_a_race_there_is_no_chapter() -> None:
     warning = "smaller errors say nothing here"
     assert warning not in text_of(one_run(fronts=made_up_fronts()))

@@ -1,7 +1,6 @@
 """The engine `moving-boundaries`: how far it is from exact geometry and why, what it refuses, starts and ends."""
 
 import dataclasses
-import math
 
 import numpy as np
 import pytest
@@ -119,10 +118,3 @@ def test_the_slider_may_leave_the_follower() -> None:
         run(scene, 2, True, 2.0)
     assert caught.value.partial is not None
     assert np.max(caught.value.partial["slider_position"]) <= scene.follower.length
-
-
-def test_description_counts_the_amplitudes() -> None:
-    assert ENGINE.describe(turning(), MovingBoundariesSettings(modes=3)).degrees_of_freedom == 3
-    rigid = dataclasses.replace(turning(), follower=dataclasses.replace(turning().follower, bending_stiffness=math.inf))
-    assert ENGINE.describe(rigid, MovingBoundariesSettings(modes=3)).degrees_of_freedom == 0
-    assert len(ENGINE.natural_frequencies(turning(), math.pi, 4, MovingBoundariesSettings(modes=2))) == 2

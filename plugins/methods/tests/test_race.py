@@ -20,11 +20,10 @@ from quickreturn.plugins.methods import race as module
 from quickreturn.plugins.methods import truth
 from quickreturn.plugins.methods.compiling import compiling
 from quickreturn.plugins.methods.fronts import DEFLECTION, standings
-from quickreturn.plugins.methods.groups import CENTRE
 from quickreturn.plugins.methods.race import Contest, Race, race, tried
 from quickreturn.plugins.methods.row import LEVELS, REACHED, WRONG, Row
 from quickreturn.plugins.methods.signed import Line
-from quickreturn.plugins.methods.studies import CHOSEN, SCENES, chosen_in, classes, hard_scenes, recorded_rows
+from quickreturn.plugins.methods.studies import CHOSEN, chosen_in, hard_scenes, recorded_rows
 from quickreturn.plugins.methods.truth import Truth
 from tests.engines.fake_engine import FakeEngine, FakeSettings
 
@@ -136,15 +135,6 @@ def test_a_solution_that_cannot_be_had_is_a_failure(tmp_path: Path, monkeypatch:
 
 def _broken(case: Case) -> Truth:
     raise EngineFailure(0.1, "the loop cannot close any more", "check the scene")
-
-
-def test_scenes_are_in_the_library() -> None:
-    assert [load_case(name).name for name in SCENES] == list(SCENES)
-
-
-def test_what_the_store_lacks_of_the_map_is_left_out(tmp_path: Path) -> None:
-    found = classes(Workshop(Store(tmp_path)).as_it_is, [CENTRE])
-    assert (found.scenes, found.trials) == ((), ())
 
 
 @pytest.mark.verify

@@ -11,7 +11,6 @@ from scipy.integrate import quad
 
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.library import load_case
-from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.request import PeriodicOrbit
 from quickreturn.cases.motion.time_scale import quasi_static_strain
 from quickreturn.plugins.strength.loads import loads_in
@@ -75,13 +74,6 @@ def test_when_the_tip_whips(at: float, turning: int, after: float, words: str) -
     assert said("whip", turn(columns={"tip_acceleration": bump(at, 80.0)}, extreme_estimates=loose)) == ""
 
 
-def test_two_peaks_that_are_alike_within_the_error_are_both_named() -> None:
-    both = {"tip_acceleration": lambda angle: bump(350.0, 80.0)(angle) - bump(60.0, 79.9)(angle)}
-    assert "within the error, at 60°" in said("whip", turn(columns=both, extreme_estimates=claims("tip_acceleration", 0.8)))
-    sharp = turn(columns=both, extreme_estimates=claims("tip_acceleration", 0.001), settling_error=0.0, settling_errors={})
-    assert "within the error" not in said("whip", sharp)
-
-
 def claims(column: str, error: float) -> dict[str, dict[str, float]]:
     return {column: {"pre": error, "post": error}}
 
@@ -111,10 +103,6 @@ def test_where_the_force_changes_sign(force: Any, angles: list[float]) -> None:
     known = numbers("sides", turn(columns={"slider_force": force}, extreme_estimates=claims("slider_force", 0.05)))
     assert known["changes"] == len(angles)
     assert [math.degrees(known[f"at_{k}"]) for k in range(1, len(angles) + 1)] == pytest.approx(angles, abs=0.3)
-
-
-def test_a_force_within_its_claim_has_no_sign() -> None:
-    assert said("sides", turn(columns={"slider_force": 0.01}, extreme_estimates=claims("slider_force", 0.05))) == ""
 
 
 def test_where_the_arm_is_stressed_most() -> None:
@@ -211,13 +199,6 @@ def test_what_limits_the_speed() -> None:
     assert "gravity or the force on the tip bends the arm at any speed" in said("limit", turn(heavy, columns=strain(0.02)))
     fast = load_case("example", {"crank.prescribed_speed": "3000 rpm"})
     assert "order" not in numbers("limit", turn(fast))
-
-
-def test_how_far_it_is_to_be_trusted() -> None:
-    assert numbers("trust", turn()) == {"error": 1e-3}
-    assert numbers("trust", turn(error_estimate=None)) == {}
-    assert "misses the accuracy asked" in said("trust", turn(status=Ending.INACCURATE))
-    assert "integration alone, not its model" in said("trust", turn(estimate_of="integration"))
 
 
 def test_a_run_without_a_settled_turn_says_nothing() -> None:

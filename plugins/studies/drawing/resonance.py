@@ -4,7 +4,6 @@ import textwrap
 from typing import Final
 
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from quickreturn.cases.files.shown import Units
 from quickreturn.plugins.studies.drawing import key_words, measure_words
@@ -31,22 +30,15 @@ MARGIN: Final = 0.9  # in, of a figure's width that axes do not have
 
 
 def resonance_figure(curve: ResonanceCurve, case: str, units: Units, mark: float | None = None) -> Drawing:
-    """A figure of the curve, as `draw` draws it."""
-    figure = new_figure(2.2 + 1.4 * PANEL * len(curve.measures), WIDE)
-    draw(figure, curve, case, units, mark)
-    return figure
-
-
-def draw(figure: Figure, curve: ResonanceCurve, case: str, units: Units, mark: float | None = None) -> None:
-    """Draw a panel for each measure over the varied quantity.
+    """A panel for each measure over the varied quantity.
 
     Args:
-        figure: an empty figure.
         curve: the curve.
         case: name of its case.
         units: units of the measures.
         mark: value of the varied quantity (SI) at which the machine runs; None: no mark.
     """
+    figure = new_figure(2.2 + 1.4 * PANEL * len(curve.measures), WIDE)
     panels = figure.subplots(len(curve.measures), 1, sharex=True, squeeze=False)[:, 0]
     shown = curve.values / curve.range.size
     for axes, (name, found) in zip(panels, curve.measures.items(), strict=True):
@@ -69,6 +61,7 @@ def draw(figure: Figure, curve: ResonanceCurve, case: str, units: Units, mark: f
     panels[-1].set_xlabel(f"{key_words(curve.range.key)} [{curve.range.unit}]", fontsize=FONT_SIZE)
     panels[0].legend(fontsize=SMALL, frameon=False)
     figure.suptitle(f"{case}: resonance curve, each point a periodic motion", fontsize=FONT_SIZE)
+    return figure
 
 
 def _name_peaks(axes: Axes, curve: ResonanceCurve, size: float, width: float) -> None:

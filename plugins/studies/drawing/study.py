@@ -25,12 +25,10 @@ from quickreturn.cases.motion.catalogue import MEASURES
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.stability import NOT_CONVERGED, UNSTABLE
 from quickreturn.plugins.studies.drawing import key_words, measure_words
-from quickreturn.plugins.studies.resonance_curve.curve import SPEED
 from quickreturn.plugins.studies.sweep.grid import Axis
 from quickreturn.plugins.studies.sweep.rows import LEFT, OPEN
 from quickreturn.plugins.studies.sweep.study import Study
 from quickreturn.plugins.studies.uncertainty.scatter import Scatter, Share
-from quickreturn.reference_model.rigid import mean_crank_speed
 from quickreturn.reports.drawing.curves import PANEL, WIDE
 from quickreturn.reports.drawing.style import (
     BAND,
@@ -82,30 +80,27 @@ def drawable(axes: Sequence[Axis]) -> bool:
 
 
 def draw(study: Study) -> Figure:
-    """Draw a panel for each measure; for maps also for each direction of the rows. The study must be `drawable`."""
+    """Draw a panel for each measure. The study must be `drawable`."""
     axes = study.grid.axes
     along = max((place for place, each in enumerate(axes) if each.unit), key=lambda place: len(axes[place].texts))
     mapped = len(axes) == 2 and len(axes[1 - along].texts) > LINES
-    directions = study.ways if mapped else ("",)
-    panels = list(itertools.product(range(len(study.asked.measures)), range(len(directions))))
-    figure = new_figure(0.6 + (2.3 if mapped else 2.0) * len(panels))
+    measures = study.asked.measures
+    figure = new_figure(0.6 + (2.3 if mapped else 2.0) * len(measures))
     statuses = [each for each in ENDINGS if each in study.statuses]
     handles: list[Artist] = []
-    for (measure, direction), panel in zip(panels, figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0], strict=True):
-        about = MEASURES[study.asked.measures[measure]]
+    panels = figure.subplots(len(measures), 1, sharex=True, squeeze=False)[:, 0]
+    for place, (name, panel) in enumerate(zip(measures, panels, strict=True)):
+        about = MEASURES[name]
         unit = study.grid.case.units.of(about.unit)
-        label, shown = textwrap.fill(f"{measure_words(about)} [{unit.sign}]", LETTERS), study.values[..., measure] / unit.size
+        label, shown = textwrap.fill(f"{measure_words(about)} [{unit.sign}]", LETTERS), study.values[..., place] / unit.size
         if mapped:
-            values, endings = (np.moveaxis(each[direction], along, 1) for each in (shown, study.statuses))
+            values, endings = np.moveaxis(shown, along, 1), np.moveaxis(study.statuses, along, 1)
             handles = _map(panel, axes[along], axes[1 - along], values, endings, statuses, label)
-            panel.set_title(f"the way {directions[direction]}" if len(directions) > 1 else "", fontsize=SMALL)
         else:
             handles = _lines(panel, study, along, shown, statuses)
             tidy(panel, label)
-            handles += _own_value(panel, study, axes[along])
     panel.set_xlabel(_scaled(axes[along])[1], fontsize=FONT_SIZE)
-    if not figure.axes[0].get_title():
-        figure.axes[0].set_title(f"{study.grid.case.name}, settled motion", fontsize=FONT_SIZE)
+    figure.axes[0].set_title(f"{study.grid.case.name}, settled motion", fontsize=FONT_SIZE)
     if handles:
         legend_above(figure, handles, 3)
     return figure
@@ -126,7 +121,7 @@ def _spans_decade(values: Array) -> bool:
 def _lines(panel: Axes, study: Study, along: int, shown: Array, statuses: Sequence[str]) -> list[Artist]:
     """Draw a measure, `shown` in the unit of its axis, over a key; return the entries of the legend.
 
-    There is a line for each direction and each value of the other key.
+    There is a line for each value of the other key.
     """
     x, lines = _scaled(study.grid.axes[along])[0], list(_each_line(study, along))
     colours = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.75, len(lines)))
@@ -148,24 +143,13 @@ def _lines(panel: Axes, study: Study, along: int, shown: Array, statuses: Sequen
     return [*(handles if len(lines) > 1 else []), *marks]
 
 
-def _own_value(panel: Axes, study: Study, axis: Axis) -> list[Artist]:
-    """Mark the case's own value of a key, if it lies within the values drawn; return the entry of the legend."""
-    case, (_, size), (section, _, name) = study.grid.case, axis.given, axis.key.partition(".")
-    own = mean_crank_speed(case.mechanism) if axis.key == SPEED else case.values.get(section, {}).get(name)
-    numbers = [float(each) for each in axis.numbers if isinstance(each, float)]
-    if not isinstance(own, float) or not numbers or not min(numbers) <= own <= max(numbers):
-        return []
-    return [panel.axvline(own / size, color=_DARK, linewidth=0.8, linestyle=":", label=f"the case's own {own / size:.4g}")]
-
-
 def _each_line(study: Study, along: int) -> Iterator[tuple[str, tuple[int | slice, ...]]]:
     """Label and index in the study's arrays of each line."""
-    others = [(axis, range(len(axis.texts))) for place, axis in enumerate(study.grid.axes) if place != along]
-    for direction, *at in itertools.product(range(len(study.ways)), *(places for _, places in others)):
-        place: list[int | slice] = list(at)
+    others = [axis for place, axis in enumerate(study.grid.axes) if place != along]
+    for number, text in enumerate(others[0].texts if others else ("",)):
+        place: list[int | slice] = [number] * len(others)
         place.insert(along, slice(None))
-        texts = [axis.texts[each] for (axis, _), each in zip(others, at, strict=True)]
-        yield ", ".join([*texts, *([study.ways[direction]] if len(study.ways) > 1 else [])]), (direction, *place)
+        yield text, tuple(place)
 
 
 def _map(

@@ -138,12 +138,6 @@ class ResonanceCurve:
             return self.range.low, self.range.high
         return float(self.values.min()), float(self.values.max())
 
-    @property
-    def unstable_ranges(self) -> list[tuple[float, float, str]]:
-        """Least and greatest value of each unstable stretch, SI, and how the motion is unstable there."""
-        parts = [part for part, unstable in self.stretches() if unstable]
-        return [(float(self.values[part].min()), float(self.values[part].max()), self.kind_after(part.start)) for part in parts]
-
     def stretches(self) -> Iterator[tuple[slice, bool]]:
         """Stretches of the curve, and whether they are unstable; special points belong to both adjacent stretches."""
         unstable, begin = [bool(self.kind_after(at)) for at in range(len(self.kinds) - 1)], 0

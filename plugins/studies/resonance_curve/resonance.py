@@ -13,12 +13,10 @@ from quickreturn.cases.files.keys import PATHS, si_value
 from quickreturn.cases.files.shown import Cell, Printable, Rows, Unit
 from quickreturn.cases.running.display import compilation_announced
 from quickreturn.computing import checked
-from quickreturn.dataset import dataset_file, table_file
 from quickreturn.plugins.studies.around import Around
 from quickreturn.plugins.studies.resonance_curve.curve import SPEED, ResonanceCurve, range_of
 from quickreturn.plugins.studies.resonance_curve.search import OF_CURVE, USUAL, resonance_curve
 from quickreturn.plugins.studies.sweep.sweeping import ERROR
-from quickreturn.reports.output import require
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -70,16 +68,11 @@ class Resonance(Printable):
         """Peaks of the first measure: value of the varied quantity (SI), height, order of the harmonic, mode, and both in words."""
         return _table(self.curve.peaks, "value", "height", "order", "mode").assign(harmonic=[each.name for each in self.curve.peaks])
 
-    def plot(self, mark: float | None = None) -> "Drawing":
-        """Draw each measure over the varied quantity: stable parts as lines, unstable ones dashed, special points as marks.
-
-        Args:
-            mark: value of the varied quantity (SI) at which the machine runs; None: the case's own, if the curve has a motion there.
-        """
+    def plot(self) -> "Drawing":
+        """Draw each measure over the varied quantity: stable parts as lines, unstable ones dashed, special points as marks."""
         from quickreturn.plugins.studies.drawing.resonance import resonance_figure
 
-        own = self.around.own if self.around.motions else None
-        return resonance_figure(self.curve, self.case, self._units, own if mark is None else mark)
+        return resonance_figure(self.curve, self.case, self._units, self.around.own if self.around.motions else None)
 
     def document(self) -> dict[str, Any]:
         """The JSON document: the case's own place, special points, peaks, and the points by column."""
@@ -88,20 +81,6 @@ class Resonance(Printable):
         special, peaks = (table.to_dict(orient="records") for table in (self.special, self.peaks))
         columns = {str(name): frame[name].astype(object).where(frame[name].notna(), None).tolist() for name in frame.columns}
         return {**about, "own": self.around.document, "special": special, "peaks": peaks, "points": columns}
-
-    def written(self, ending: str) -> bytes:
-        """The table as the content of a file: .csv, .parquet (units in the headings) or .nc."""
-        frame = self.frame
-        if ending != ".nc":
-            return table_file(frame, frame.attrs["units"], ending)
-        require("tables", "a file .nc")
-        import xarray as xr
-
-        whole = frame.assign(peak_order=frame["peak_order"].fillna(0).astype(int)).rename_axis("point")
-        dataset = xr.Dataset.from_dataframe(whole).assign_attrs(case=self.case)
-        for name, unit in frame.attrs["units"].items():
-            dataset[name].attrs["units"] = unit
-        return dataset_file(dataset, ending)
 
     def _unit(self, name: str) -> str:
         """Unit of a column of `frame`."""

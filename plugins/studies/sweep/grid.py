@@ -102,9 +102,7 @@ def _ranged(key: str, values: str) -> tuple[str, ...]:
     if not match or not 2 <= (count := int(match["count"])) <= MOST:
         raise wrong("is no range", f"write FIRST .. LAST : COUNT with 2 to {MOST} values, {_SPEC}")
     ends = match["first"], match["last"]
-    low, high = (si_value(key, end, VARY) for end in ends)
-    if math.isinf(low) or math.isinf(high):
-        raise wrong("has no end", "a range needs two finite ends")
+    low, high = (si_value(key, end, VARY, finite=True) for end in ends)
     (first, _, unit), (last, _, other) = (end.partition(" ") for end in ends)
     if unit == other:
         low, high = float(first), float(last)

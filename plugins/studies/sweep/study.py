@@ -3,27 +3,17 @@
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Final, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from quickreturn.cases.motion.catalogue import measure
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.running.isolation import STOPPED
 from quickreturn.cases.running.job import Job, Outcome
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.plugins.studies.sweep.grid import Grid, job
 from quickreturn.plugins.studies.sweep.rows import MeasureRequest, Row
-
-#: Direction in which the points of a row are computed: as given, backwards, or both.
-Path = Literal["up", "down", "both"]
-#: Two numbers belong to different motions if they differ by more than `CLAIMS_APART` times the sum of their claims, and by more than the
-#: part `APART` of the larger; two multipliers by more than `MULTIPLIERS_APART`. Those of one motion, found from either side, differ by up
-#: to 0.03 beside the resonance of run 24's machine at 240 rpm, where the map's derivatives change most on the way to the motion.
-CLAIMS_APART: Final = 3.0
-APART: Final = 0.02
-MULTIPLIERS_APART: Final = 0.1
 
 
 @dataclass(frozen=True)
@@ -32,10 +22,9 @@ class Study:
 
     grid: Grid  # the case and its axes
     asked: MeasureRequest  # what was measured
-    ways: tuple[str, ...]  # "up", "down" or both
-    values: NDArray[np.float64]  # values of each measure, shape (ways, *grid, measures); nan if unavailable
+    values: NDArray[np.float64]  # values of each measure, shape (*grid, measures); nan if unavailable
     errors: NDArray[np.float64]  # errors of the values by the engine's own estimate, likewise
-    statuses: NDArray[np.object_]  # status of each point, shape (ways, *grid)
+    statuses: NDArray[np.object_]  # status of each point, shape (*grid,)
     sentences: NDArray[np.object_]  # reason of each status, "" if the point settled
 
     @property
@@ -43,45 +32,31 @@ class Study:
         """Status -> number of points, the most frequent first."""
         return dict(Counter(map(str, self.statuses.flat)).most_common())
 
-    @property
-    def two_motions(self) -> NDArray[np.bool_]:
-        """Whether the two directions settle on two different stable motions at a point, shape (*grid)."""
-        of_motion = [place for place, name in enumerate(self.asked.measures) if name != "solve_seconds"]
-        one, other = self.values[..., of_motion]
-        claimed = np.nan_to_num(np.nansum(self.errors[..., of_motion], axis=0))
-        multipliers = [measure(self.asked.measures[place]).multipliers for place in of_motion]
-        apart = np.where(multipliers, MULTIPLIERS_APART, APART * np.fmax(np.abs(one), np.abs(other)))
-        least = np.maximum(CLAIMS_APART * claimed, apart)
-        both = np.all(self.statuses == Ending.SETTLED, axis=0)
-        return np.asarray(both & np.any(np.abs(one - other) > least, axis=-1))
 
-
-def study(grid: Grid, asked: MeasureRequest, workshop: Workshop, path: Path = "up") -> Study:
+def study(grid: Grid, asked: MeasureRequest, workshop: Workshop) -> Study:
     """Compute a grid.
 
     Raises:
         KeyboardInterrupt: Ctrl-C; the rows that were computed are stored.
         UnknownEngine: there is no engine of a name.
     """
-    ways, along = ("up", "down") if path == "both" else (path,), grid.along
-    shape = (len(ways), *grid.shape)
-    values, errors = (np.full((*shape, len(asked.measures)), np.nan) for _ in range(2))
-    statuses, sentences = (np.full(shape, "", dtype=object) for _ in range(2))
+    along = grid.along
+    values, errors = (np.full((*grid.shape, len(asked.measures)), np.nan) for _ in range(2))
+    statuses, sentences = (np.full(grid.shape, "", dtype=object) for _ in range(2))
     jobs, places = list[Job[Row]](), list[Any]()
-    for number, way in enumerate(ways):
-        for place in grid.rows():
-            where: tuple[int | slice, ...] = (*place[:-1], slice(place[-1], place[-1] + 1))
-            points = [place]
-            if along is not None:
-                before, behind, backwards = place[:along], place[along + 1 :], slice(None, None, -1 if way == "down" else 1)
-                where = (*before, backwards, *behind)
-                points = [(*before, at, *behind) for at in range(grid.shape[along])][backwards]
-            changes = [grid.changes(each) for each in points]
-            jobs.append(job(grid.case, changes, replace(asked, engine=grid.engine_at(place, asked.engine))))
-            places.append((number, *where))
+    for place in grid.rows():
+        where: tuple[int | slice, ...] = (*place[:-1], slice(place[-1], place[-1] + 1))
+        points = [place]
+        if along is not None:
+            before, behind = place[:along], place[along + 1 :]
+            where = (*before, slice(None), *behind)
+            points = [(*before, at, *behind) for at in range(grid.shape[along])]
+        changes = [grid.changes(each) for each in points]
+        jobs.append(job(grid.case, changes, replace(asked, engine=grid.engine_at(place, asked.engine))))
+        places.append(where)
     for at, row in zip(places, computed(jobs, workshop), strict=True):
         values[at], errors[at], statuses[at], sentences[at] = row.values, row.errors, row.statuses, row.sentences
-    return Study(grid, asked, ways, values, errors, statuses, sentences)
+    return Study(grid, asked, values, errors, statuses, sentences)
 
 
 def computed(jobs: Sequence[Job[Row]], workshop: Workshop) -> list[Row]:

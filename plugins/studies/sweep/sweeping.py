@@ -5,14 +5,14 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any, Final, cast, get_args
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from quickreturn import computing
 from quickreturn.arguments import AnyCase, Listing, given_settings, one_case
-from quickreturn.cases.files.case import Case, parse_case
-from quickreturn.cases.files.errors import Argument, CaseError, as_written, texts_given
+from quickreturn.cases.files.case import Case
+from quickreturn.cases.files.errors import CaseError, texts_given
 from quickreturn.cases.files.keys import si_text, unit_given
 from quickreturn.cases.files.shown import Units
 from quickreturn.cases.motion.catalogue import MEASURES, measure
@@ -22,7 +22,7 @@ from quickreturn.computing import checked
 from quickreturn.engines.registry import usable_engine
 from quickreturn.plugins.studies.sweep.grid import ENGINE, Axis, Grid, axis, unit_of
 from quickreturn.plugins.studies.sweep.rows import MeasureRequest
-from quickreturn.plugins.studies.sweep.study import Path, Study, study
+from quickreturn.plugins.studies.sweep.study import Study, study
 from quickreturn.reports.output import require
 
 if TYPE_CHECKING:
@@ -34,8 +34,6 @@ USUAL: Final = ("peak.tip_acceleration", "multiplier")
 ERROR: Final = ".error"
 #: Attribute of a varied key: the unit in which its values were given. Its values are in SI.
 GIVEN: Final = "given_in"
-#: Attribute of a dataset that holds the study's case file.
-FILE: Final = "case_file"
 
 
 def measures() -> "Listing[Measure]":
@@ -52,7 +50,6 @@ def sweep(
     accuracy: float | None = None,
     settings: Mapping[str, Any] | None = None,
     claims: bool = True,
-    path: Path = "up",
     jobs: int | None = None,
     workshop: Workshop | None = None,
     quiet: bool = False,
@@ -68,14 +65,13 @@ def sweep(
         accuracy: error of the tip deflection to ask for; None: the engine's default.
         settings: settings of the engine, by name.
         claims: whether every number gets its error estimate, which takes about twice as long.
-        path: direction in which each row of points is computed, "up", "down" or "both"; near a fold the motion depends on it.
         jobs: processes at a time; None: one per core.
         workshop: processes and store; None: those of this machine.
         quiet: whether progress on standard error is left out.
 
     Returns:
-        A dataset with a dimension for each key, and "path" for both directions. Its variables are the measures, "status" and
-        "sentence" of each point, and "two_motions". The error of the measure NAME, by the engine's estimate, is "NAME.error".
+        A dataset with a dimension for each key. Its variables are the measures, and "status" and "sentence" of each point. The error of
+        the measure NAME, by the engine's estimate, is "NAME.error".
 
     Raises:
         CaseError, UnknownEngine, Refusal, SettingError: an invalid argument; the sentence says what is accepted.
@@ -84,7 +80,7 @@ def sweep(
     names = texts_given(measures, "measures", USUAL[0])
     axes = tuple(_axis(key, values) for key, values in vary.items())
     with nullcontext(workshop) if workshop is not None else computing.workshop(jobs, quiet) as opened:
-        return dataset_of(computed(chosen, axes, names, os.fspath(engine), accuracy, settings, claims, path, opened))
+        return dataset_of(computed(chosen, axes, names, os.fspath(engine), accuracy, settings, claims, opened))
 
 
 def computed(
@@ -95,14 +91,11 @@ def computed(
     accuracy: float | None,
     settings: Mapping[str, Any] | None,
     claims: bool,
-    path: str,
     workshop: Workshop,
 ) -> Study:
     """The study of a grid; arguments and errors as of `sweep`."""
     if not axes:
         raise CaseError(case.name, None, None, "nothing varies", 'give a key and values, such as "tip.mass = 0 g; 25 g"')
-    if path not in get_args(Path):
-        raise CaseError(Argument("path"), None, as_written(path), "is unknown", f"accepted are {', '.join(get_args(Path))}")
     for name in {engine, *(name for each in axes if each.key == ENGINE for name in each.texts)}:
         usable_engine(name)
     texts = given_settings({engine: settings or {}})[engine]
@@ -114,7 +107,7 @@ def computed(
         settings=texts,
         duration=case.duration,
     )
-    return study(Grid(case, tuple(axes)), request, workshop, cast(Path, path))
+    return study(Grid(case, tuple(axes)), request, workshop)
 
 
 def _axis(key: str, values: str | Sequence[Any]) -> Axis:
@@ -130,8 +123,8 @@ def dataset_of(study: Study) -> "xr.Dataset":
     require("tables", "a dataset")
     import xarray as xr
 
-    axes, both = study.grid.axes, len(study.ways) > 1
-    dimensions = ("path", *(each.key for each in axes))
+    axes = study.grid.axes
+    dimensions = tuple(each.key for each in axes)
     variables: dict[str, tuple[Any, ...]] = {}
     for place, name in enumerate(study.asked.measures):
         about = MEASURES[name]
@@ -141,46 +134,18 @@ def dataset_of(study: Study) -> "xr.Dataset":
             variables[f"{name}{ERROR}"] = (dimensions, study.errors[..., place], attributes_of_error)
     variables["status"] = (dimensions, study.statuses.astype(str), {"long_name": "how the point ended"})
     variables["sentence"] = (dimensions, study.sentences.astype(str), {"long_name": "why"})
-    if both:
-        variables["two_motions"] = (dimensions[1:], study.two_motions, {"long_name": "whether the ways settle on two stable motions"})
     coordinates: dict[str, tuple[Any, ...]] = {
         each.key: (each.key, np.array(each.values), {"units": each.unit, GIVEN: each.given[0]} if each.unit else {}) for each in axes
     }
-    coordinates["path"] = ("path", list(study.ways))
     case = study.grid.case
     attributes = {
         "case": case.name,
         "title": case.title,
-        FILE: case.to_toml(),
+        "case_file": case.to_toml(),
         "engine": study.asked.engine,
         "source": f"quickreturn {version('quickreturn')}",
     }
-    dataset = xr.Dataset(variables, coordinates, attributes)
-    return dataset if both else dataset.isel(path=0, drop=True)
-
-
-def case_at(dataset: "xr.Dataset", place: Mapping[str, Any]) -> Case:
-    """The case at the point of a study that is nearest to some values.
-
-    Args:
-        dataset: of `sweep`, or read from its netCDF file.
-        place: a value of each varied key: numbers in SI, or texts where the dataset has texts.
-
-    Raises:
-        CaseError: a key is missing, or does not vary in this study.
-    """
-    keys = [str(key) for key in dataset.dims if key not in (ENGINE, "path")]
-    if set(place) != set(keys):
-        given = ", ".join(place) or "no key"
-        raise CaseError("place", None, None, f"{given} is given", f"give a value of {', '.join(keys)}")
-    case, overrides = parse_case(dataset.attrs[FILE], "the study's case"), dict[str, str]()
-    for key in keys:
-        values = dataset[key]
-        if values.dtype.kind == "f":
-            overrides[key] = si_text(key, float(values.sel({key: float(place[key])}, method="nearest")))
-        else:
-            overrides[key] = str(values.sel({key: place[key]}).item())
-    return case.with_(overrides)
+    return xr.Dataset(variables, coordinates, attributes)
 
 
 def summary(dataset: "xr.Dataset", units: Units) -> list[str]:
@@ -188,8 +153,6 @@ def summary(dataset: "xr.Dataset", units: Units) -> list[str]:
     counts = Counter(map(str, dataset["status"].values.flat)).most_common()
     points = ", ".join(f"{count} {status}" for status, count in counts)
     lines = [f"{dataset['status'].size} points: {points}"]
-    if "two_motions" in dataset and (two := int(dataset["two_motions"].sum())):
-        lines.append(f"two stable motions at {two} of {dataset['two_motions'].size} points")
     for name in (str(each) for each in dataset.data_vars if str(each) in MEASURES):
         unit = units.of(dataset[name].attrs["units"])
         values = dataset[name] / unit.size

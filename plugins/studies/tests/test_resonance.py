@@ -1,8 +1,6 @@
 """`quickreturn resonance` and `qr.resonance`: tables, pictures, answers to mistakes, and curves that were interrupted or lost."""
 
 import dataclasses
-import io
-import itertools
 import json
 import math
 from pathlib import Path
@@ -10,17 +8,14 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-import xarray as xr
-from matplotlib.text import Text
 
 import quickreturn as qr
 from quickreturn.cases.files.shown import Unit
 from quickreturn.cases.running.key import key_of
 from quickreturn.cases.running.store import Pieces, encoded
 from quickreturn.plugins.studies.around import Around
-from quickreturn.plugins.studies.resonance_curve.curve import MULTIPLIER_TOLERANCE, Range, ResonancePeak, SpecialPoint, range_of
-from quickreturn.plugins.studies.resonance_curve.resonance import Resonance
-from quickreturn.plugins.studies.resonance_curve.search import _followed, checked_scenes, job, job_around
+from quickreturn.plugins.studies.resonance_curve.curve import MULTIPLIER_TOLERANCE, Range, SpecialPoint, range_of
+from quickreturn.plugins.studies.resonance_curve.search import _followed, job, job_around
 from quickreturn.reference_model.cycles.cycle_family import CycleFamily
 from quickreturn.reference_model.cycles.fixed_points import Array, Image
 from quickreturn.reference_model.cycles.poincare import CycleBroken
@@ -77,19 +72,8 @@ def test_the_claims_hold_against_a_model_with_more_modes(found: qr.Resonance) ->
     assert abs(coarse.value - fine.value) > 0.2 * coarse.error  # no empty claim
 
 
-def test_files_of_every_kind(found: qr.Resonance, tmp_path: Path) -> None:
-    table = pd.read_csv(io.BytesIO(found.written(".csv")))
-    assert list(table.columns[:2]) == ["crank.prescribed_speed [rad/s]", "crank.prescribed_speed.error [rad/s]"]
-    np.testing.assert_allclose(table["peak.tip_acceleration [m/s^2]"], found.frame["peak.tip_acceleration"], rtol=1e-12)
-    assert len(pd.read_parquet(io.BytesIO(found.written(".parquet")))) == len(table)
-    (tmp_path / "curve.nc").write_bytes(found.written(".nc"))
-    dataset = xr.open_dataset(tmp_path / "curve.nc", engine="h5netcdf")
-    assert dataset["peak.tip_acceleration"].attrs["units"] == "m/s^2"
-    assert set(dataset["stability"].values) == {"stable", "neutral", "unstable: fold"}
-
-
 def test_a_picture_tells_stable_from_unstable(found: qr.Resonance) -> None:
-    (axes,) = found.plot(mark=240.0 * RPM).axes
+    (axes,) = found.plot().axes
     styles = {line.get_linestyle() for line in axes.lines if len(line.get_xdata()) > 2}
     assert styles == {"-", "--"}
     marks = [line for line in axes.lines if line.get_label() == "fold"]
@@ -114,32 +98,19 @@ def test_the_command_writes_what_python_gives(call: Call, tmp_path: Path) -> Non
     [
         ((), ("--speed", "60 rpm .. 300 rpm")),
         (("--speed", "60 rpm"), ("--speed", "60 rpm", "is no range")),
-        (("--speed", "300 rpm .. 60 rpm"), ("300 rpm .. 60 rpm", "smaller and a larger")),
         (("--speed", "-60 rpm .. 60 rpm"), ("one sign",)),
-        (("--speed", "1 Hz .. 2 Hz"), ("1 Hz", "an angular speed is needed")),
         (("--vary", "tip.mas=0 g .. 100 g"), ("tip.mas", "tip.mass")),
         (("--vary", "crank.initial_angle=0 deg .. 10 deg"), ("crank.initial_angle", "changes no periodic motion")),
-        (("--vary", "crank.length=4 in .. 9 in"), ("crank.length", "slider leaves the follower")),
         (("--vary", "slider.joint_stiffness=1e4 N/m .. 2e4 N/m", "--speed", "100 rpm"), ("rigid and frictionless",)),
         (("--vary", "tip.mass=0 g .. 100 g", "--speed", "0 rpm"), ("--speed", "0 rpm", "does not turn")),
         (("--speed", "60 rpm .. 90 rpm", "--measure", "peak.tip"), ("--measure", "peak.tip")),
         (("--speed", "60 rpm .. 90 rpm", "--measure", "factor.yielding"), ("has no resonance curve", "peak.tip_acceleration", "`sweep`")),
-        (("--vary", "tip.mass=-20 g .. -10 g", "--speed", "60 rpm"), ("--vary", "tip.mass", '"-20 g" is negative')),
-        (("--vary", "crank.length=0 in .. 4 in"), ("--vary", "crank.length", '"0 in" is not positive')),
         (("--speed", "60 rpm .. 90 rpm", "--output", "curve.xlsx"), ("curve.xlsx", ".csv")),
     ],
     ids=str,
 )
 def test_answers_to_mistakes(call: Call, typed: tuple[str, ...], words: tuple[str, ...]) -> None:
     refused(call("resonance", "thesis-24", *typed), *words)
-
-
-def test_other_values_replace_what_excludes_them() -> None:
-    held = checked_scenes(qr.case("thesis-24"), range_of("tip.mass", "0 g .. 25 g", "range"), 10.0, ())(0.02)
-    assert not held.crank_is_free
-    assert held.crank.drive.initial_speed == 10.0
-    assert held.tip_body.mass == 0.02
-    assert range_of("tip.mass", "0 g .. 25 g", "range").high == pytest.approx(0.025)
 
 
 def test_the_curve_around_a_crank_that_turns_clockwise_is_over_negative_speeds() -> None:
@@ -153,15 +124,9 @@ def test_what_is_told_of_a_machine_between_fold_and_limit(found: qr.Resonance) -
     fold = found.special["value"].item()
     pace = 0.998 * fold
     own = Around(qr.case("thesis-24", {"crank.prescribed_speed": f"{pace / RPM!r} rpm"}), found.curve)
-    runs, motions, unstable, nearest = own.lines
-    assert runs.startswith(f"Your machine runs at {pace / RPM:.5g} rpm, the mean speed of its rigid mechanism")
+    _, motions, nearest = own.lines
     assert motions.startswith("There it has two periodic motions, one of them stable, ")
-    assert "(stable)" in motions
-    assert "(unstable: fold)" in motions
-    assert unstable.startswith("Motions that are unstable (fold) reach from ")
-    assert unstable.endswith(f" to {fold / RPM:.5g} rpm, and your machine lies within that range.")
-    apart = f"{(fold - pace) / RPM:.3g} rpm or 0.2 % faster"
-    assert nearest == f"No peak between 237.5 rpm and 241 rpm; fold at {fold / RPM:.5g} rpm, {apart}."
+    assert f"fold at {fold / RPM:.5g} rpm, {(fold - pace) / RPM:.3g} rpm or 0.2 % faster" in nearest
     document = own.document
     assert [motion["stability"] for motion in document["motions"]].count("stable") == 1
     assert document["nearest_change"]["distance"] == pytest.approx(fold - pace)
@@ -169,12 +134,9 @@ def test_what_is_told_of_a_machine_between_fold_and_limit(found: qr.Resonance) -
 
 def test_a_machine_beyond_its_curve_has_no_motion_on_it(found: qr.Resonance) -> None:
     """Run 24 turns at 158.68 rpm: its torque over its damping is 158.69 rpm, and the pivot takes a part."""
-    runs, motions, nearest = found.around.lines
-    assert runs.startswith("Your machine runs at 158.68 rpm, the mean speed of its rigid mechanism")
-    assert motions == "The curve was followed between 237.5 rpm and 241 rpm and says nothing of it."
-    assert "faster" in nearest
+    assert found.around.lines[0].startswith("Your machine runs at 158.68 rpm, the mean speed of its rigid mechanism")
+    assert found.around.lines[1] == "The curve does not reach there, and says nothing of it."
     assert found.document()["own"]["motions"] == []
-    assert len(found.plot().axes[0].lines) == len(found.plot(mark=239.0 * RPM).axes[0].lines) - 1
 
 
 def test_what_was_not_followed_is_not_said_to_be_without_peaks(found: qr.Resonance) -> None:
@@ -183,9 +145,7 @@ def test_what_was_not_followed_is_not_said_to_be_without_peaks(found: qr.Resonan
     curve = dataclasses.replace(found.curve, special=(*found.curve.special, reason))
     high = curve.reach[1]
     assert high == pytest.approx(found.special["value"].item())
-    _, motions, lost, nearest = Around(qr.case("thesis-24"), curve, unit=Unit("rpm", RPM)).lines
-    assert motions.startswith(f"The curve was followed between 237.5 rpm and {high / RPM:.5g} rpm and says nothing of it")
-    assert lost == "The curve could not be followed beyond 237.5 rpm (the corrections ended)."
+    nearest = Around(qr.case("thesis-24"), curve, unit=Unit("rpm", RPM)).lines[2]
     assert nearest.startswith(f"No peak between 237.5 rpm and {high / RPM:.5g} rpm; fold at ")
 
 
@@ -200,7 +160,7 @@ OWN = {
 @pytest.mark.verify
 @pytest.mark.parametrize("where", OWN)
 def test_the_machines_own_speed_has_the_motions_that_a_search_of_that_speed_alone_finds(where: str, call: Call) -> None:
-    """From a sweep of a few speeds up and down, which searches each motion by itself; the fold of the unstable branch is left out there."""
+    """From sweeps of a few speeds up and down, which search each motion by itself; the fold of the unstable branch is left out there."""
     speed, range_, count, stable = OWN[where]
     drive = ("--set", f"crank.prescribed_speed={speed}")
     answer = call("resonance", "thesis-24", *drive, "--speed", range_, "--no-claims", "--json")
@@ -210,21 +170,13 @@ def test_the_machines_own_speed_has_the_motions_that_a_search_of_that_speed_alon
     assert (len(kinds), kinds.count("stable")) == (count, stable)
     assert own["sentences"][0] == f"Your machine runs at {speed}."
     low, high = (float(end.split()[0]) for end in range_.split(" .. "))
-    around = f"{low + 1.0} rpm; {speed}; {high - 1.0} rpm"
-    swept = qr.sweep("thesis-24", {"crank.prescribed_speed": around}, claims=False, path="both", quiet=True).isel(
-        {"crank.prescribed_speed": 1}
-    )
-    settled = sorted(
-        {
-            f"{float(height):.3g}"
-            for height, status in zip(swept["peak.tip_acceleration"], swept["status"], strict=True)
-            if status == "settled"
-        }
-    )
-    assert set(settled) <= {f"{motion['height']:.3g}" for motion in own["motions"] if motion["stability"] == "stable"}
+    around, settled = [f"{low + 1.0} rpm", speed, f"{high - 1.0} rpm"], set[str]()
+    for way in (around, around[::-1]):
+        swept = qr.sweep("thesis-24", {"crank.prescribed_speed": way}, claims=False, quiet=True).isel({"crank.prescribed_speed": 1})
+        settled |= {f"{float(swept['peak.tip_acceleration']):.3g}"} if swept["status"] == "settled" else set()
+    assert settled <= {f"{motion['height']:.3g}" for motion in own["motions"] if motion["stability"] == "stable"}
     assert bool(settled) is (stable > 0)
     if where == "between the folds":
-        assert any("(fold) reach from 232.7" in sentence for sentence in own["sentences"])
         assert own["nearest_change"]["distance"] / RPM == pytest.approx(2.48, abs=0.05)
 
 
@@ -240,20 +192,6 @@ def test_peaks_are_named_by_the_frequencies_of_the_modes(call: Call) -> None:
         assert peak["order"] * peak["value"] / (2.0 * math.pi) == pytest.approx(mean, rel=0.02)
     named = pd.read_csv("curve.csv")["peak_harmonic"].dropna()
     assert sorted(named) == sorted(peak["harmonic"] for peak in peaks)
-
-
-def test_the_names_of_peaks_do_not_overlap(found: qr.Resonance) -> None:
-    places = np.array([237.52, 237.53, 237.54, 238.0, 238.75, 238.76]) * RPM
-    peaks = tuple(ResonancePeak(value, 500.0, 3, order) for order, value in enumerate(places, 4))
-    figure = Resonance(qr.case("thesis-24"), dataclasses.replace(found.curve, peaks=peaks)).plot()
-    figure.draw_without_rendering()
-    (axes,) = figure.axes
-    boxes = sorted((Text.get_window_extent(text) for text in axes.texts), key=lambda box: box.x0)  # without the lines
-    assert [text.get_text() for text in axes.texts] == [f"{order} × crank = first mode" for order in range(4, 10)]
-    assert all(one.x1 <= other.x0 for one, other in itertools.pairwise(boxes))
-    assert boxes[0].x0 > 0.0
-    assert boxes[-1].x1 < figure.bbox.x1
-    assert max(box.y1 for box in boxes) < figure.bbox.y1
 
 
 def test_a_curve_is_stored_for_the_machines_own_drive() -> None:

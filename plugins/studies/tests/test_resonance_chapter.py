@@ -7,24 +7,19 @@ from pathlib import Path
 
 import pytest
 
-from quickreturn.cases.files.shown import METRIC
 from quickreturn.cases.library import load_case
-from quickreturn.cases.motion.catalogue import MEASURES
 from quickreturn.cases.running.job import Job, Limits, Outcome, Watch
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.base import EngineFailure
-from quickreturn.plugins.studies.around import Around, around_of, curves_around, motion_sentences, near_words
+from quickreturn.plugins.studies.around import Around, around_of, curves_around, near_words
 from quickreturn.plugins.studies.chapter import finding, plot
-from quickreturn.plugins.studies.resonance_curve.search import USUAL
 from quickreturn.plugins.studies.tests.made_up_resonance import FOLD, OWN, PEAK, RPM, height, made_up_around, speed
 from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.report import write
 from tests.reports.pages import finding_of, one_run, plain, text_of
 from tests.reports.reported_results import reported_result
-
-ACCELERATION = (MEASURES[USUAL], METRIC)
 
 
 @pytest.fixture(scope="module")
@@ -57,27 +52,22 @@ def test_stable_and_unstable_parts_meet_at_the_folds_and_nowhere_else(around: Ar
     assert unstable.text[1].endswith("multiplier 1.5")
 
 
-def test_folds_and_peaks_carry_the_order_of_the_harmonic(around: Around) -> None:
+def test_peaks_carry_the_order_of_the_harmonic(around: Around) -> None:
     drawn = plot(around)
     marks = {series.name: series for series in drawn.series[2:]}
     assert list(marks) == ["peak", "fold", "your machine"]
     assert marks["peak"].labels == ["8×"]
-    assert set(marks["fold"].labels) == {f"{around.order_at(around.own)}×"}  # within 2 % of the machine's own speed
+    assert marks["fold"].x == pytest.approx([around.own / RPM * speed(u) for u in (-FOLD, FOLD)])
     assert sorted(marks["your machine"].y) == pytest.approx(sorted(height for height, _ in around.motions))
     assert drawn.here == (pytest.approx(around.own / RPM), "your machine runs here")
     assert "driven by 8 times the crank’s speed" in marks["peak"].text[0]
 
 
-def test_the_tables_have_what_is_drawn(around: Around, tmp_path: Path) -> None:
+def test_the_table_has_what_is_drawn(around: Around, tmp_path: Path) -> None:
     write(own_page(around), tmp_path)
-    rows = {name: list(csv.DictReader((tmp_path / name).read_text().splitlines())) for name in ("resonances.csv", "resonance_curve.csv")}
-    speeds = [float(row["speed [rad/s]"]) for row in rows["resonance_curve.csv"]]
-    assert speeds == around.solved_curve.values.tolist()
-    assert [row["special"] for row in rows["resonance_curve.csv"] if row["special"]] == ["fold", "fold"]
-    points = rows["resonances.csv"]
-    assert [row["point"] for row in points] == ["fold", *["your machine"] * 3, "fold", "peak"]
-    assert float(points[-1]["distance [1]"]) == pytest.approx(speed(PEAK) - 1.0)
-    assert {row["stability"] for row in points if row["point"] == "your machine"} == {"stable", "unstable: fold"}
+    rows = list(csv.DictReader((tmp_path / "resonance_curve.csv").read_text().splitlines()))
+    assert [float(row["speed [rad/s]"]) for row in rows] == around.solved_curve.values.tolist()
+    assert [row["special"] for row in rows if row["special"]] == ["fold", "fold"]
 
 
 def test_the_chapter_has_the_motions_and_the_heading_what_is_nearest(around: Around) -> None:
@@ -85,8 +75,6 @@ def test_the_chapter_has_the_motions_and_the_heading_what_is_nearest(around: Aro
     assert "three periodic motions, two of them stable" in told
     assert f"{float(f'{height(0.0):.2g}'):g} m/s² (unstable: fold)" in told
     assert plain(f"The resonance curve has its {around.nearest_peak}") in told  # on the first screen
-    lines = plain(" ".join(around.lines))  # of the command
-    assert f"reach from {120.0 * speed(FOLD):.5g} rpm to {120.0 * speed(-FOLD):.5g} rpm, and your machine lies within" in lines
     # 120 rpm; the peak at u = PEAK, and the fold that lies 2 % above: 1 + WIDTH (8 u^3 - 3 u) / 5 at -FOLD
     heading = finding_of(own_page(around), "resonance")
     for u in (PEAK, -FOLD):
@@ -106,21 +94,6 @@ def test_a_harmonic_without_a_peak_is_no_alarm(around: Around) -> None:
     assert finding([Around(around.case, None, "the crank stands still")]) == "no resonance curve: the crank stands still"
 
 
-@pytest.mark.parametrize(
-    ("motions", "words"),
-    [
-        ([(12.34, "")], ["one periodic motion", "12 m/s²", "stable"]),
-        ([(12.34, "torus")], ["12 m/s²", "unstable (torus)", "would leave it"]),
-        ([(10.0, ""), (20.0, "fold"), (30.0, "")], ["three", "two of them stable", "20 m/s² (unstable: fold)", "Its history decides"]),
-        ([], ["no motion"]),
-    ],
-)
-def test_motions_have_their_stability(motions: list[tuple[float, str]], words: list[str]) -> None:
-    told = motion_sentences(motions, *ACCELERATION)
-    assert all(each in told for each in words), told
-    assert ("history" in told) == ("Its history decides" in words)
-
-
 class Failing:
     """An executor on which no periodic motion is found."""
 
@@ -136,12 +109,10 @@ class Failing:
 @pytest.mark.parametrize(
     ("changes", "sentence"),
     [
-        ({"follower.bending_stiffness": "inf"}, "a resonance curve needs a follower that bends"),
-        ({"slider.joint_stiffness": "1e5 N/m"}, "a resonance curve needs a slider joint that is rigid and frictionless"),
         ({"crank.torque": "0 N*m", "crank.initial_speed": "0 rpm"}, "a resonance curve needs a crank that turns"),
         ({}, "no periodic motion was found within the range"),
     ],
-    ids=["rigid follower", "joint that gives way", "crank that stands still", "nothing found"],
+    ids=["crank that stands still", "nothing found"],
 )
 def test_one_sentence_says_why_there_is_no_curve(changes: dict[str, str], sentence: str, tmp_path: Path) -> None:
     case = load_case("thesis-24", changes)

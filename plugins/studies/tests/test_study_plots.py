@@ -9,21 +9,20 @@ from matplotlib.patches import PathPatch
 from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.stability import UNSTABLE
-from quickreturn.plugins.studies.drawing.study import ENDINGS, draw, drawable
+from quickreturn.plugins.studies.drawing.study import ENDINGS, draw
 from quickreturn.plugins.studies.sweep.grid import Grid, axis
 from quickreturn.plugins.studies.sweep.rows import LEFT, MeasureRequest
 from quickreturn.plugins.studies.sweep.study import Study
 from quickreturn.plugins.studies.sweep.sweeping import dataset_of, summary
-from tests.reports.test_line_styles import APART, EYES, lab
 
 DOUBLING = UNSTABLE.format("period doubling")
 SPEEDS = "crank.prescribed_speed = 60 rpm .. 120 rpm : 13"
 
 
-def made_up(*axes: str, measures: tuple[str, ...] = ("peak.tip_acceleration",), ways: tuple[str, ...] = ("up",)) -> Study:
+def made_up(*axes: str, measures: tuple[str, ...] = ("peak.tip_acceleration",)) -> Study:
     """Values from 1 to 1000 over the grid; the last but one point is unstable, and at the last the slider left."""
     grid = Grid(load_case("thesis-24"), tuple(axis(text) for text in axes))
-    shape = (len(ways), *grid.shape)
+    shape = grid.shape
     values = np.geomspace(1.0, 1000.0, math.prod(shape)).reshape(shape)
     statuses = np.full(shape, Ending.SETTLED, dtype=object)
     statuses.flat[-2:] = [DOUBLING, LEFT]
@@ -32,7 +31,6 @@ def made_up(*axes: str, measures: tuple[str, ...] = ("peak.tip_acceleration",), 
     return Study(
         grid,
         MeasureRequest(measures=measures),
-        ways,
         measured,
         np.full_like(measured, math.nan),
         statuses,
@@ -45,7 +43,7 @@ def test_one_key_is_a_line_in_the_unit_given() -> None:
     (panel,) = draw(found).axes
     line = panel.lines[0]
     np.testing.assert_allclose(line.get_xdata(), np.linspace(60.0, 120.0, 13))
-    np.testing.assert_allclose(line.get_ydata(), found.values[0, :, 0])
+    np.testing.assert_allclose(line.get_ydata(), found.values[:, 0])
     assert panel.get_xlabel() == "crank speed [rpm]"
     assert panel.get_ylabel() == "largest magnitude of tip\nacceleration [m/s²]"
     assert panel.get_yscale() == "log"
@@ -53,21 +51,10 @@ def test_one_key_is_a_line_in_the_unit_given() -> None:
     assert marks == {ENDINGS[DOUBLING][1]: pytest.approx(115.0), ENDINGS[LEFT][1]: pytest.approx(120.0)}
 
 
-def test_points_and_the_own_value_are_marked_and_the_case_is_named() -> None:
-    (panel,) = draw(made_up("crank.prescribed_speed = 120 rpm .. 180 rpm : 13")).axes
-    assert panel.lines[0].get_marker() == "."
-    assert panel.get_title() == "thesis-24, settled motion"
-    (own,) = (line for line in panel.lines if str(line.get_label()).startswith("the case's own"))
-    # the pivot's damping slows the crank by 3e-5
-    assert own.get_xdata()[0] == pytest.approx(16.617773 * 30.0 / math.pi, rel=1e-4)
-    (mass,) = draw(made_up("tip.mass = 0 g .. 60 g : 7")).axes
-    assert [line.get_xdata()[0] for line in mass.lines if "own" in str(line.get_label())] == [pytest.approx(50.79, rel=1e-3)]
-
-
 def test_people_see_megapascals_and_the_unit_given_and_datasets_are_in_si() -> None:
     found = made_up(SPEEDS, measures=("peak.stress",))
     (panel,) = draw(found).axes
-    np.testing.assert_allclose(panel.lines[0].get_ydata(), 1e-6 * found.values[0, :, 0])
+    np.testing.assert_allclose(panel.lines[0].get_ydata(), 1e-6 * found.values[:, 0])
     assert panel.get_ylabel() == "largest stress along the arm, by\nbending and the normal force [MPa]"
     dataset = dataset_of(found)
     assert summary(dataset, found.grid.case.units)[1] == (
@@ -75,23 +62,6 @@ def test_people_see_megapascals_and_the_unit_given_and_datasets_are_in_si() -> N
     )
     assert dataset["peak.stress"].attrs["units"] == "Pa"
     assert dataset["crank.prescribed_speed"].attrs == {"units": "rad/s", "given_in": "rpm"}
-
-
-@pytest.mark.parametrize(
-    ("text", "unit"),
-    [
-        ("slider.joint_stiffness = 2 N/mm; inf", "N/mm"),
-        ("slider.joint_stiffness = 3e3 N/m; 2 N/mm", "N/m"),
-        ("slider.friction = 0.1; 0.2", "1"),
-        ("base.damping = 1 lbf*in*s; 2 lbf*in*s", "lbf*in*s"),
-    ],
-)
-def test_the_unit_given_is_that_of_all_values(text: str, unit: str) -> None:
-    found = axis(text)
-    name, size = found.given
-    assert name == unit
-    number, _, _ = found.texts[0].partition(" ")
-    assert size * float(number) == pytest.approx(found.values[0])
 
 
 @pytest.mark.parametrize(("second", "count"), [("tip.mass = 0 g; 25 g; 50 g", 3), ("engine = reference; mujoco", 2)])
@@ -108,7 +78,7 @@ def test_two_keys_are_a_map_with_the_longer_one_across(order: int) -> None:
     found = made_up(*(SPEEDS, "tip.mass = 0 g .. 60 g : 7")[::order])
     panel = draw(found).axes[0]
     (mesh,) = [each for each in panel.collections if each.get_array() is not None]
-    values = found.values[0, ..., 0]
+    values = found.values[..., 0]
     np.testing.assert_allclose(np.ma.filled(mesh.get_array(), math.nan).ravel(), (values.T if order == 1 else values).ravel())
     assert (panel.get_xlim(), panel.get_ylim()) == (pytest.approx((57.5, 122.5)), pytest.approx((-5.0, 65.0)))
     patches = {each.get_hatch(): each for each in panel.patches if isinstance(each, PathPatch)}
@@ -120,43 +90,3 @@ def test_two_keys_are_a_map_with_the_longer_one_across(order: int) -> None:
     assert levels[0] <= 1.0
     assert levels[-1] >= np.nanmax(values)
     assert set(levels) <= {m * 10.0**p for m in (1.0, 1.5, 2.0, 3.0, 5.0, 7.0) for p in range(4)}
-
-
-def test_both_ways_are_maps_side_by_side_and_each_measure_has_its_own() -> None:
-    found = made_up(SPEEDS, "tip.mass = 0 g .. 60 g : 7", measures=("peak.strain_2", "multiplier"), ways=("up", "down"))
-    titles = [panel.get_title() for panel in draw(found).axes if panel.get_ylabel().startswith("tip mass")]
-    assert titles == ["the way up", "the way down"] * 2
-
-
-def test_a_key_with_equal_ratios_is_logarithmic() -> None:
-    assert draw(made_up("slider.joint_stiffness = log 1 N/mm .. 1000 N/mm : 7")).axes[0].get_xscale() == "log"
-
-
-def test_a_study_without_any_number_is_drawn_all_the_same() -> None:
-    found = made_up(SPEEDS, "tip.mass = 0 g .. 60 g : 7")
-    found.values[:], found.statuses[:] = math.nan, LEFT
-    assert len(draw(found).axes[0].patches) == 1
-
-
-@pytest.mark.parametrize(
-    ("axes", "possible"),
-    [
-        ((SPEEDS,), True),
-        (("engine = reference; mujoco",), False),
-        ((SPEEDS, "tip.mass = 0 g; 1 g", "engine = reference; mujoco"), False),
-        (("tip.mass = 0 g; 20 g; 10 g",), False),
-        (("follower.bending_stiffness = 6 N*m^2; inf",), False),
-    ],
-)
-def test_what_has_a_picture(axes: tuple[str, ...], possible: bool) -> None:
-    assert drawable([axis(text) for text in axes]) is possible
-
-
-@pytest.mark.parametrize("eyes", EYES)
-def test_steps_of_colour_go_one_way_from_dark_to_bright(eyes: str) -> None:
-    """As all eyes see them, so that more is brighter for colour-blind ones, too."""
-    mesh = draw(made_up(SPEEDS, "tip.mass = 0 g .. 60 g : 7")).axes[0].collections[0]
-    colours = [f"#{''.join(f'{round(255 * part):02x}' for part in mesh.cmap(k)[:3])}" for k in range(mesh.cmap.N)]
-    lightness = np.array([lab(colour, EYES[eyes])[0] for colour in colours])
-    assert np.all(np.diff(lightness) > 1.0)
-    assert lightness[-1] - lightness[0] > 2.0 * APART

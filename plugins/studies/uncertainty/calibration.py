@@ -21,7 +21,6 @@ from quickreturn.arguments import AnyCase, one_case
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.errors import Argument, CaseError, as_written, texts_given
 from quickreturn.cases.files.keys import si_text, unit_given
-from quickreturn.cases.files.number_rows import Form
 from quickreturn.cases.files.recorded import RecordedTable
 from quickreturn.cases.running.job import Job, Limits
 from quickreturn.engines.base import EngineFailure, NoSteadyState, Refusal
@@ -296,9 +295,6 @@ def calibrate(
     table: AnyTable,
     free: str | Sequence[str],
     *,
-    separator: str | None = None,
-    decimal: str | None = None,
-    skip: int = 0,
     limits: "Limits | None" = None,
     quiet: bool = False,
 ) -> Fit:
@@ -309,9 +305,6 @@ def calibrate(
         table: a path, a DataFrame or a dictionary of arrays with units in the headings, or what `simulate` or `read_table` returns;
             it begins in the standard start or shows the steady state.
         free: keys of a case file, each alone, or with a range in which it lies: "tip.center_of_mass = 0 in .. 0.5 in".
-        separator: sign between the columns of a file; None: recognised.
-        decimal: decimal sign of a file; None: recognised.
-        skip: number of lines above the headings of a file.
         limits: time and memory limits of the process that computes; None: the default ones.
         quiet: whether progress on standard error is left out.
 
@@ -319,7 +312,7 @@ def calibrate(
         CaseError: an invalid case, table or key.
         EngineFailure, Refusal: the case cannot be simulated where the search begins.
     """
-    chosen, recorded, keys = one_case(case), as_table(table, form=Form(separator, decimal, skip)), texts_given(free, "free", "tip.mass")
+    chosen, recorded, keys = one_case(case), as_table(table), texts_given(free, "free", "tip.mass")
     frees_of(keys, chosen)
     TableModel(chosen, recorded)
     job = Job("calibration", calibrated, (chosen, recorded, keys))

@@ -6,13 +6,12 @@ and for all columns together).
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
 
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.document import LONGEST_NAME
@@ -91,14 +90,6 @@ class Fit(Printable):
     smooth: float
     widened: float
     simulations: int
-
-    def holds(self, values: Sequence[float]) -> bool:
-        """Whether values (SI, in the order of `found`) lie in the 95 % region of all parameters that are determined, together."""
-        determined = [place for place, each in enumerate(self.found) if each.determined]
-        spread = np.array(self.covariance)[np.ix_(determined, determined)]
-        sizes = np.sqrt(np.diag(spread))
-        away = np.array([values[place] - self.found[place].value for place in determined]) / sizes
-        return bool(away @ np.linalg.solve(spread / np.outer(sizes, sizes), away) <= stats.chi2(len(determined)).ppf(PROBABILITY))
 
     @property
     def exceeding(self) -> tuple[str, ...]:

@@ -143,10 +143,6 @@ class Scatter(Printable):
         """Standard deviation of a measure."""
         return self._moments(measure)[1]
 
-    def simulation_error(self, measure: str) -> float:
-        """Median over the points of a measure's error by the simulation's own estimate, SI; nan without one."""
-        return float(np.median(self._claims(measure)))
-
     def _claims(self, measure: str) -> Array:
         """The simulation's errors at the points with a measure, unknown ones as the largest; nan without any, shape (n,)."""
         claims = self.errors[self.of(measure)[0], self.measures.index(measure)]

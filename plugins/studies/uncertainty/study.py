@@ -66,13 +66,10 @@ def check_samples(samples: int, source: str, key: str | None = "samples") -> Non
 def planned(case: Case, uncertain: Mapping[str, Any], asked: MeasureRequest, samples: int, source: str) -> Points:
     """Quasi-random points, `samples` of them (a power of two), of distributions as texts by key (`uncertain`).
 
-    CaseError, which names `source`: an unknown key or measure, an invalid distribution or number of points.
+    CaseError, which names `source`: an unknown key, or an invalid distribution.
     """
     if not uncertain:
         raise CaseError(source, "uncertain", None, "names no parameter", 'write KEY = "uniform A .. B"')
-    check_samples(samples, source)
-    for name in asked.measures:
-        measure(name)
     given = {Parameter.of_key(key, source): text for key, text in uncertain.items()}
     if of_start := next((parameter.key for parameter in given if parameter.key in OF_START), None):
         raise CaseError(source, of_start, None, "changes no steady motion", "leave its distribution or tolerance out")

@@ -1,31 +1,23 @@
-"""How sharp the cross-check is: errors that it finds, what engines share, and whether their cycles depend on the start."""
+"""How sharp the cross-check is: errors that it finds, and whether cycles depend on the start."""
 
 import math
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import Any
 
-from quickreturn.plugins.thesis.page_data import ThesisData, planted_of, starts_of
+from quickreturn.plugins.thesis.page_data import ThesisData
 from quickreturn.plugins.thesis.sharpness import SIZES, Planted, found_words
 from quickreturn.plugins.thesis.starts import Start
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.tables import Column, Table
 from quickreturn.reports.words import counted
 
-#: Of two engines: what both take from the same place, and the check that covers it.
-SHARED: Final = (
-    ("reference, exudyn, mujoco", "the estimator of frequencies and amplitudes", "its own test on vibrations that are known"),
-    ("reference, exudyn, mujoco", "the periodic orbit in which marches begin", "the starts below"),
-    ("exudyn, mujoco", "strains and forces recovered from elements and links", "closed forms and the balance of energy"),
-    ("reference, thesis", "the pseudo-coordinates of the method", "equations derived by computer, and both packages"),
-)
-
 
 def crosscheck(content: ThesisData) -> Chapter | None:
     """The chapter; None if neither study was recorded."""
-    errors, others = content.of(planted_of), content.of(starts_of)
+    errors, others = content.recorded("planted", Planted), content.recorded("starts", Start)
     if not errors and not others:
         return None
-    facts: dict[str, Any] = {"planted": planted_table(errors), "shared": shared(), "starts": starts_table(others)}
+    facts: dict[str, Any] = {"planted": planted_table(errors), "starts": starts_table(others)}
     return Chapter("crosscheck", "How sharp the cross-check is", finding(errors, others), facts)
 
 
@@ -47,18 +39,6 @@ def planted_table(rows: Sequence[Planted]) -> Table:
     for row in rows:
         counts = {f"size_{size:g}": sum((found or math.inf) <= size for found in row.found) for size in SIZES}
         table.add(engine=row.engine, error=row.error, runs=len(row.runs), **counts)
-    return table
-
-
-def shared() -> Table:
-    """What engines have in common, and which check covers it."""
-    table = Table(
-        "shared",
-        "What engines share: an error in it is no difference between them. Each has a check of its own.",
-        ("engines", "shared", Column("check", "covered by")),
-    )
-    for engines, what, check in SHARED:
-        table.add(engines=engines, shared=what, check=check)
     return table
 
 

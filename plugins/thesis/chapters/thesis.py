@@ -1,82 +1,31 @@
 """What the thesis saw: what could have made it, with the weight of each explanation, and its model beside the converged one."""
 
-import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from typing import Any, Final
-
-import numpy as np
 
 from quickreturn.cases.comparison.engines import CaseResult
 from quickreturn.cases.comparison.pair import Difference, Kind
-from quickreturn.cases.library.thesis import run_case
 from quickreturn.cases.motion.cycle import HALVES
 from quickreturn.cases.motion.time_scale import CHANNELS
 from quickreturn.engines.registry import MODEL
 from quickreturn.plugins.thesis.axes import axis_comparisons, fits_worse
 from quickreturn.plugins.thesis.experiment import below_aluminium
 from quickreturn.plugins.thesis.inference import tables
-from quickreturn.plugins.thesis.page_data import ThesisData, confirmed_of
-from quickreturn.reference_model.mechanism import Mechanism
+from quickreturn.plugins.thesis.inference.study import Confirmation
+from quickreturn.plugins.thesis.page_data import ThesisData
 from quickreturn.reports.engine_differences import differences, summary_of
 from quickreturn.reports.long_studies import about
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.tables import Column, Table
-from quickreturn.reports.words import HALF, channel_name, number, percents
-
-#: Poisson's ratio of aluminium.
-POISSON: Final = 0.33
-
-
-@dataclass(frozen=True)
-class Twist:
-    """The strip's twist at the slider's mean place."""
-
-    stiffness: float  # N/m, with the contact at the edge of the strip: the least that is possible
-    eccentricity: float  # m, the distance from the middle that a compliance of `wanted` takes
-    half_width: float  # m, the greatest distance that the strip has
-
-
-def torsional_stiffness(scene: Mechanism) -> float:
-    """G J of the follower's rectangular section, N m^2."""
-    follower = scene.follower
-    width, thickness = follower.width or math.nan, follower.thickness or math.nan
-    torsion = width * thickness**3 / 3.0 * (1.0 - 0.63 * thickness / width)
-    return follower.elastic_modulus / (2.0 * (1.0 + POISSON)) * torsion
-
-
-def twist(wanted: float, run: int = 24) -> Twist:
-    """The strip's twist under a roller that does not meet its middle, in a run of the thesis: compliance of the joint (section 5.5).
-
-    A roller that pushes at the distance e from the middle of the strip's width twists it by F e s / (G J) where the slider holds it, for
-    the base holds the twist at P alone. The point of contact moves by e times this twist, so it has the compliance
-
-        c = e^2 s / (G J),   J = b t^3 / 3 (1 - 0.63 t / b),   G = E / (2 (1 + nu))
-
-    (Timoshenko and Goodier, "Theory of Elasticity", 1970, sections 108 and 109). It is the same for both directions of the force.
-
-    Args:
-        wanted: stiffness of one roller, N/m, that would explain the difference between the halves.
-        run: number of the run.
-    """
-    scene = run_case(run).mechanism
-    torsional, half = torsional_stiffness(scene) / scene.pivot_distance, 0.5 * (scene.follower.width or math.nan)
-    return Twist(torsional / half**2, math.sqrt(torsional / wanted), half)
-
+from quickreturn.reports.words import HALF, channel_name, percents
 
 #: Columns of a spread -> unit and format.
 _SPREAD: Final = {"median": ("1", ".3f"), "least": ("1", ".3f"), "greatest": ("1", ".3f"), "runs": ("", "d")}
-#: Halves count as alike if the excess differs between them by less than this part of itself.
-SAME_EFFECT: Final = 0.1
-#: Stiffness, N/m, of a roller that lowers the frequency of its half by 2 %, the least that the words mean.
-ONE_SIDED: Final = 18.5e3
 
 
 def thesis(content: ThesisData) -> Chapter:
     """The chapter."""
     results, inference = content.thesis_results, content.inference
-    compared = differences(results, MODEL, "frequency")
-    of_halves = {half: [difference.ratio for difference in compared if difference.half == half] for half in HALF}
     facts: dict[str, Any] = {
         "worse": fits_worse(axis_comparisons(results)),
         "of_record": about("finding"),
@@ -87,26 +36,14 @@ def thesis(content: ThesisData) -> Chapter:
     if inference is not None:
         facts |= {
             "against": tables.against(inference),
-            "twist": twist(ONE_SIDED),
             "weights": tables.weights(inference),
             "votes": tables.votes(inference),
             "deciding": tables.deciding(inference),
             "unknowns": tables.unknowns(inference),
-            "confirmed": tables.confirmed(content.of(confirmed_of)),
+            "confirmed": tables.confirmed(content.recorded("finding_confirmed", Confirmation)),
         }
-    return Chapter("thesis", "What the thesis saw", tables.headline(inference) if inference else finding(of_halves), facts)
-
-
-def finding(ratios: Mapping[str, Sequence[float]]) -> str:
-    """How stiff the single cubic is in both halves; `ratios`: half -> its frequencies over the converged ones."""
-    if not all(ratios.values()):
-        return "Its model beside the converged one"
-    pre, post = (float(np.median(ratios[half])) for half in HALVES)
-    stiff = "stiff" if pre - 1.0 + post - 1.0 > 0.0 else "soft"
-    alike = " alike" if abs(post - pre) < SAME_EFFECT * abs(pre - 1.0) else ""
-    return (
-        f"Its one cubic is too {stiff} before and after the return{alike} ({number(pre, '.2f')} and {number(post, '.2f')} times the"
-        f" converged frequency, medians of {len(ratios['pre'])} and {len(ratios['post'])} runs that resolve it)"
+    return Chapter(
+        "thesis", "What the thesis saw", tables.headline(inference) if inference else "Its model beside the converged one", facts
     )
 
 

@@ -58,11 +58,6 @@ def axis_labels(run: int | None = None) -> tuple[AxisLabels, ...]:
     return tuple(axes_of_figures)
 
 
-def printed_ranges(run: int) -> dict[str, tuple[float, float]]:
-    """Channel -> range of the labels of its axis, in the first figure of a run that has more than one label there."""
-    return {each.channel: each.range for each in reversed(axis_labels(run)) if each.range[0] < each.range[1]}
-
-
 def measured_crank_speed(run: int) -> float | None:
     """Mean crank speed of an experiment in rad/s (table 3.1); None for run 1, where none is printed. Raises KeyError."""
     speed = RUNS[run].measured_speed

@@ -8,9 +8,8 @@ from quickreturn.cases.motion.time_scale import CHANNELS
 from quickreturn.cases.running.job import ThisProcess
 from quickreturn.cases.running.store import Store
 from quickreturn.cases.running.workshop import Workshop
-from quickreturn.plugins.thesis.chapters.crosscheck import finding, planted_table, starts_table
 from quickreturn.plugins.thesis.sharpness import ENGINES, GAIN, SIZES, Planted, _delay, _gain, _of_machine, from_size, planted, smallest
-from quickreturn.plugins.thesis.starts import Start, starts
+from quickreturn.plugins.thesis.starts import starts
 
 ANGLE = np.linspace(0.0, 2.0 * np.pi, 401)
 CYCLE = {"time": 5.0 + ANGLE / 20.0, "crank_angle": np.pi + ANGLE, **{name: np.sin(k * ANGLE) for k, name in enumerate(CHANNELS, 1)}}
@@ -22,14 +21,6 @@ def planted_rows(size: float | None = 0.002, missed: int = 2) -> list[Planted]:
     return [Planted(engine=engine, error=GAIN, runs=tuple(range(1, 21)), found=found) for engine in ENGINES]
 
 
-def start_rows(difference: float = 3e-4) -> list[Start]:
-    return [
-        Start(
-            engine="mujoco", start="standard", runs=(1, 2), cycles=(20, 18), difference=(difference, 2.0 * difference), claimed=(1e-3, 1e-3)
-        )
-    ]
-
-
 def test_an_error_is_found_from_the_size_on_beyond_which_no_size_is_missed() -> None:
     assert from_size({size: size == 0.0005 or size > 0.001 for size in SIZES}) == 0.002
     assert from_size(dict.fromkeys(SIZES, True)) == SIZES[0]
@@ -39,17 +30,6 @@ def test_an_error_is_found_from_the_size_on_beyond_which_no_size_is_missed() -> 
 @pytest.mark.parametrize(("missed", "expected"), [(0, 0.002), (2, 0.002), (3, None)])
 def test_the_smallest_error_is_that_of_nine_of_ten_runs_by_every_engine(missed: int, expected: float | None) -> None:
     assert smallest(planted_rows(missed=missed), GAIN) == expected
-
-
-def test_the_chapter_counts_runs_and_cycles() -> None:
-    table = planted_table(planted_rows())
-    assert {row["size_0.002"].value for row in table.rows} == {18}
-    assert {row["size_0.001"].value for row in table.rows} == {0}
-    (row,) = starts_table(start_rows()).rows
-    assert (row["settled"].value, row["beyond"].value, row["cycles"].value) == (2, 0, 20)
-    assert row["used"].value == pytest.approx(0.6)
-    assert "0.2 % in gain" in finding(planted_rows(), start_rows()).replace("\u00a0", " ")
-    assert "1 of 2 cycles" in finding([], start_rows(6e-4)).replace("\u00a0", " ")
 
 
 def test_plants_are_what_they_are_called() -> None:

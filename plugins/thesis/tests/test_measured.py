@@ -1,31 +1,24 @@
 """What the thesis prints of the experiment, and recordings of it: what of them counts, and what changes no conclusion."""
 
 import dataclasses
-import math
 import re
 from pathlib import Path
 
 import pytest
 
-from quickreturn.cases.comparison.engines import CaseResult, compare
+from quickreturn.cases.comparison.engines import CaseResult
 from quickreturn.cases.files.errors import CaseError
-from quickreturn.cases.motion.number import Consensus
 from quickreturn.cases.motion.time_scale import CHANNELS
-from quickreturn.plugins.thesis.axes import AxisComparison, axis_comparisons, fits_worse, measured_alone, misfit
+from quickreturn.plugins.thesis.axes import AxisComparison, fits_worse, measured_alone, misfit
 from quickreturn.plugins.thesis.experiment import (
     FOLDER_VARIABLE,
     axis_labels,
     channel_is_usable,
     experiment_tables,
     measured_crank_speed,
-    statements,
 )
 from quickreturn.plugins.thesis.page_data import statement_values
-from quickreturn.reports.page.chapters import chapters_of
 from quickreturn.reports.page.content import MeasuredHalf, measured_halves
-from quickreturn.reports.page.first_screen import answer_of
-from tests.changed_run import changed_run
-from tests.reports.pages import content_of
 from tests.reports.plotted_results import with_table
 from tests.reports.reported_results import reported_result
 
@@ -50,23 +43,6 @@ def test_recordings_of_the_experiment_alone_have_weight_in_a_verdict(run_24: Cas
     assert values["pre_amplitude"] == {24: pytest.approx(0.5)}
     assert statement_values(measured(run_24, "synthetic"), "thesis") == {}
     assert statement_values(measured(run_24, "measured", of_experiment=False), "thesis") == {}
-
-
-def test_what_is_not_ours_changes_no_statement(run_24: CaseResult) -> None:
-    """Neither an engine of another package nor a recorded table, however far off, though both are compared."""
-    wrong = changed_run(run_24.runs["mujoco"], engine="foreign", consensus=(Consensus("pre", 99.0, 0.1, 0.1),))
-    others = with_table(compare(run_24.case, {**run_24.runs, "foreign": wrong}), "tool.csv", ["strain_2", "tip_acceleration"], factor=3.0)
-    before, after = content_of(results=[run_24]), content_of(results=[others])
-    values = [statement_values(each.comparisons, "thesis") for each in (before, after)]
-    assert values == [{}, {}]
-    axes = axis_comparisons(after.results)
-    assert axes
-    assert not any("tool.csv" in axis.ratios for axis in axes)
-    told_before, told_after = ({each.id: each.finding for each in chapters_of(content)} for content in (before, after))
-    assert told_after["experiment"] == told_before["experiment"]
-    assert told_after["recorded"].startswith("tool.csv: ")
-    assert answer_of(after).cubic == answer_of(before).cubic
-    assert "foreign" in answer_of(after).engines
 
 
 def test_a_label_of_half_the_peak_is_missed_by_as_much_as_one_of_twice_the_peak() -> None:
@@ -120,21 +96,6 @@ def test_crank_speeds_and_valid_channels_are_those_of_the_thesis() -> None:
     assert measured_crank_speed(24) == 16.617773
     assert [run for run in range(1, 25) if channel_is_usable(run, "tip_acceleration")] == list(range(9, 25))
     assert [run for run in range(1, 25) if channel_is_usable(run, "strain_2")] == list(range(2, 25))
-
-
-def test_statements_are_ranges_that_a_share_of_the_runs_shows() -> None:
-    by_id = {statement.id: statement for statement in statements()}
-    assert len(by_id) == len(statements())
-    post, pre = by_id["post-frequency"], by_id["pre-frequency"]
-    assert (post.runs, post.share, post.low, post.high) == (tuple(range(1, 25)), 1.0, 1.0, math.inf)  # "always"
-    assert (pre.low, pre.high, pre.share) == (0.97, 1.05, 0.9)  # "close to it or slightly above", "virtually all"
-    assert by_id["pre-amplitude-long-crank"].runs == tuple(range(1, 9))
-    assert by_id["second-mode"].low == by_id["second-mode"].high == 132.0
-    assert by_id["joint-cause"].kind == "cause"
-
-
-def test_there_is_no_recording_of_the_experiment_and_none_is_invented() -> None:
-    assert experiment_tables() == []
 
 
 def test_recordings_of_the_experiment_say_what_they_are(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

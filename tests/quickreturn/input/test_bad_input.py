@@ -298,7 +298,6 @@ ARGUMENTS: list[tuple[str, Callable[[Any], Any]]] = [
     ("measures", lambda given: qr.uncertainty("thesis-24", WRONG, given)),
     ("free", lambda given: qr.calibrate("thesis-24", SOLVED, given)),
     ("vary", lambda name: qr.sweep("thesis-24", {name: "0 g; 1 g"})),
-    ("path", lambda name: qr.sweep("thesis-24", {"tip.mass": "0 g; 1 g"}, path=name)),
     ("range", lambda name: qr.resonance("thesis-24", name, "60 rpm .. 90 rpm")),
     ("uncertain", lambda name: qr.uncertainty("thesis-24", {name: "uniform 0 g .. 1 g"}, ["multiplier"])),
 ]

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
+from scipy.stats import chi2
 
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.errors import CaseError
@@ -19,8 +20,8 @@ from quickreturn.engines.own.reference import ReferenceSettings
 from quickreturn.engines.registry import engine
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import rms
-from quickreturn.plugins.studies.uncertainty.calibration import DEFAULT_ERROR, TABLE_ERROR, Free, calibrated
-from quickreturn.plugins.studies.uncertainty.fit import FittedParameter, covariance, reach, smooth_part, undetermined
+from quickreturn.plugins.studies.uncertainty.calibration import DEFAULT_ERROR, TABLE_ERROR, calibrated
+from quickreturn.plugins.studies.uncertainty.fit import Fit, covariance, reach, smooth_part, undetermined
 from quickreturn.plugins.studies.uncertainty.parameters import Parameter, changes
 from quickreturn.plugins.studies.uncertainty.table_model import TableModel
 from quickreturn.reference_model.rigid import crank_pace
@@ -68,13 +69,20 @@ def test_the_model_of_a_table_begins_where_the_table_does(first: float) -> None:
     assert rms(simulated - model.values) < 1e-9 * rms(model.values)  # the same simulation: rounding of the instants, 1e-15 s, is left
 
 
+def holds(fit: Fit, values: tuple[float, ...]) -> bool:
+    """Whether values lie in the 95 % region of all parameters together."""
+    spread, away = np.array(fit.covariance), np.array(values) - [each.value for each in fit.found]
+    sizes = np.sqrt(np.diag(spread))
+    return bool(away / sizes @ np.linalg.solve(spread / np.outer(sizes, sizes), away / sizes) <= chi2(len(values)).ppf(0.95))
+
+
 @pytest.mark.verify
 @pytest.mark.parametrize("name", ["mujoco", "exudyn"])
 @pytest.mark.parametrize("memory", [0.0, 0.8])
 def test_the_truth_lies_in_the_region_in_95_of_100_trials(name: str, memory: float) -> None:
     columns, trials = computed(name), 40
     fits = [calibrated(BEGUN, noisy(columns, np.random.default_rng(trial), memory), FREE) for trial in range(trials)]
-    held = sum(fit.holds((STIFFNESS, DAMPING)) for fit in fits)
+    held = sum(holds(fit, (STIFFNESS, DAMPING)) for fit in fits)
     # what is left is the noise that was put in: its RMS over 2505 numbers is known to 2 %, three standard deviations are 5 % of a column's
     assert memory > 0.0 or all(abs(share / NOISE - 1.0) < 0.1 for share in fits[0].left.values())
     print(f"{name}, memory {memory}: {held} of {trials}; widened {np.median([fit.widened for fit in fits]):.2f}")
@@ -169,10 +177,7 @@ def test_the_steady_state_is_fitted_at_equal_crank_angles() -> None:
 @pytest.mark.parametrize(
     ("free", "told"),
     [
-        ("follower.bending", "is no quantity of a scene; the nearest known one is"),
         ("tip.center_of_mass", "is no value to begin from; give a range"),
-        ("tip.center_of_mass = 0 kg .. 1 kg", "is a mass (kg), but a length is needed"),
-        ("tip.center_of_mass = 1 in .. 0 in", "does not rise"),
         ("mechanism.gravity", "write mechanism.gravity[1] to mechanism.gravity[2]"),
         ("follower.yield_strength", "changes no motion"),
     ],
@@ -181,25 +186,6 @@ def test_bad_keys_get_one_sentence(free: str, told: str) -> None:
     with pytest.raises(CaseError, match=r".") as wrong:
         calibrated(CASE, noisy(computed("reference"), np.random.default_rng(1)), [free])
     assert told in str(wrong.value)
-
-
-def test_a_parameter_is_shown_in_the_unit_of_its_range() -> None:
-    speed = Free.of_text("crank.prescribed_speed = 240 rpm .. 260 rpm", load_case("example"))
-    assert (speed.unit, speed.start) == ("rpm", pytest.approx(250.0 * np.pi / 30.0))
-    found = FittedParameter(
-        key=speed.parameter.key,
-        unit="rad/s",
-        given_in=speed.unit,
-        start=speed.start,
-        value=25.0 * np.pi / 3.0,
-        low=24.0 * np.pi / 3.0,
-        high=26.0 * np.pi / 3.0,
-        simulation_error=np.pi / 30.0,
-        table_error=np.pi / 15.0,
-        determined=True,
-        at_end=False,
-    )
-    assert found.shown == ("crank.prescribed_speed", "250", "rpm", "240 .. 260", "1.0e+00", "2.0e+00", "250")
 
 
 @pytest.mark.verify

@@ -40,11 +40,6 @@ def predicted(ratio: float, ring: float = 132.0, error: float = 0.0) -> Predicte
     return Predicted({name: [number] * len(RUNS) for name in QUANTITIES}, of_example, (np.array([ring]), np.array([ring])))
 
 
-@pytest.mark.parametrize("least", [0, 3, 6, 10])
-def test_runs_that_are_alike_have_the_binomial_distribution(least: int) -> None:
-    assert at_least(least, np.full((10, 1), 0.7))[0] == pytest.approx(binom.sf(least - 1, 10, 0.7), rel=1e-12)
-
-
 def test_unlike_runs_have_the_sum_over_all_outcomes() -> None:
     shown = np.array([0.2, 0.5, 0.9])
     two = 0.2 * 0.5 * 0.1 + 0.2 * 0.5 * 0.9 + 0.8 * 0.5 * 0.9
