@@ -62,36 +62,15 @@ SIGNALS: Final = {
     "strain_3": Look(*_OLIVE, 2.6, (5.0, 5.0), order=4, marker="triangle-down"),
     "slider_force": Look(*_PURPLE, 2.6, (2.0, 4.0), order=5, marker="star"),
 }
-#: Looks of possible causes of the thesis' finding, in one chart: a colour for each that has an effect, marks for those without.
-EFFECTS: Final = {
-    "post-side": Look(*_VERMILION, 3.0, marker="diamond"),
-    "post-side-alloy": Look(*_BROWN, 3.0, marker="diamond"),
-    "preload": Look(*_WINE, 3.0, marker="diamond"),
-    "pre-side": Look(*_BLUE, 3.0, marker="square"),
-    "linear": Look(*_INK, 3.0, marker="circle"),
-    "clearance": Look(*_PURPLE, 3.0, marker="star"),
-    "drag": Look(*_TEAL, 3.0, marker="triangle"),
-    "friction": Look(*_FOREST, 3.0, marker="triangle-down"),
-    "pivot": Look(*_OLIVE, 3.0, marker="triangle-left"),
-    "strip": Look(*_SKY, 3.0, marker="hexagon"),
-    "tip": Look(*_NAVY, 3.0, marker="pentagon"),
-    "cubic": Look(*_WINE, 3.0, marker="plus"),
-    "slider-inertia": Look(*_BROWN, 3.0, marker="triangle-right"),
-    "slider-mass": Look(*_TEAL, 3.0, marker="cross"),
-    "gravity": Look(*_OLIVE, 3.0, marker="cross"),
-    "drive": Look(*_SKY, 3.0, marker="plus"),
-}
-#: Looks of a resonance curve: its parts, its special points and peaks, and the machine on it.
+#: Looks of a resonance curve: its parts, its and special points.
 RESONANCE: Final = {
     "stable": Look(*_BLUE, 3.4, order=1),
     "unstable": Look(*_VERMILION, 3.0, (6.0, 4.0), order=2),
-    "peak": Look(*_PURPLE, 2.4, order=3, marker="triangle"),
     "fold": Look(*_WINE, 2.4, order=4, marker="diamond"),
     "period doubling": Look(*_TEAL, 2.4, order=5, marker="square"),
     "torus": Look(*_OLIVE, 2.4, order=6, marker="pentagon"),
     "slider left": Look(*_BROWN, 2.4, order=7, marker="cross"),
     "lost": Look(*_NAVY, 2.4, order=8, marker="plus"),
-    "your machine": Look(*_INK, 2.4, order=9, marker="star"),
 }
 #: Looks of all other names.
 _OTHERS: Final = (
@@ -110,7 +89,7 @@ def looks(names: Iterable[str]) -> dict[str, Look]:
     unknown names looks repeat.
     """
     wanted = list(dict.fromkeys(names))
-    project_looks = ENGINES | SIGNALS | EFFECTS | RESONANCE
+    project_looks = ENGINES | SIGNALS | RESONANCE
     chosen = {name: project_looks[name] for name in wanted if name in project_looks}
     for name in sorted(set(wanted) - set(chosen)):
         taken, first = list(chosen.values()), zlib.crc32(name.encode()) % len(_OTHERS)

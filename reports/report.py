@@ -12,7 +12,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Final
 
-from quickreturn.cases.comparison.campaign import Work, cross_validate
+from quickreturn.cases.comparison.campaign import cross_validate
 from quickreturn.cases.comparison.engines import CaseResult, agreement
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.recorded import RecordedTable
@@ -160,10 +160,7 @@ def write_report(
     recorded = {case: [*given] for case, given in (tables or {}).items()}
     for table in content_type.recordings():
         recorded.setdefault(table.declared["case"], []).append(table)
-    work = [part.work(cases, engines, content_type.is_own) for part in parts() if part.work]
-    requests = {name: request for each in work for name, request in each.requests.items()}
-    jobs = [job for each in work for job in each.jobs]
-    results = cross_validate(cases, workshop, engines, accuracy, settings, recorded, Work(requests, jobs))
+    results = cross_validate(cases, workshop, engines, accuracy, settings, recorded)
     content = content_type(
         results=results,
         engines=engines,

@@ -1,8 +1,8 @@
 """Computes many runs: their starts, their order, and the outcome of those whose process died; and compares them, case by case."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from typing import Any, Final, TypeVar
+from dataclasses import replace
+from typing import Final, TypeVar
 
 from quickreturn.cases.comparison.engines import CaseResult, compare
 from quickreturn.cases.comparison.tables import recorded_run
@@ -25,24 +25,13 @@ _SLOWEST: Final = ("exudyn", "mujoco", "reference")
 Name = TypeVar("Name", bound=tuple[str, ...])
 
 
-@dataclass(frozen=True)
-class Work:
-    """Requests by their names, and jobs of another kind."""
-
-    requests: Mapping[tuple[str, ...], RunRequest] = field(default_factory=dict)
-    jobs: Sequence[Job[Any]] = ()
-
-
-def carry_out(
-    requests: Mapping[Name, RunRequest], workshop: Workshop, title: str = "runs", other_jobs: Sequence[Job[Any]] = ()
-) -> dict[Name, Run]:
+def carry_out(requests: Mapping[Name, RunRequest], workshop: Workshop, title: str = "runs") -> dict[Name, Run]:
     """Runs by the names of their requests. Equal requests are computed once.
 
     Args:
         requests: what to run; those that shall begin in the orbit of `reference` get it.
         workshop: where the runs are computed.
         title: title of all runs, for the display of progress.
-        other_jobs: further jobs that are computed with them and stored, so that no core is idle at the end of either.
 
     Raises:
         UnknownEngine: no engine has the name in a request.
@@ -55,9 +44,7 @@ def carry_out(
         usable[name] = replace(usable[name], orbit=orbit)
     order = _order(usable)
     jobs = [Job(" ".join(name), steady_state, (usable[name],), kind="steady state", engines=(usable[name].engine,)) for name in order]
-    first = len({request.engine for request in usable.values()})
-    outcomes = workshop.outcomes([*jobs[:first], *other_jobs, *jobs[first:]], title)
-    of_runs = zip(order, [*outcomes[:first], *outcomes[first + len(other_jobs) :]], strict=True)
+    of_runs = zip(order, workshop.outcomes(jobs, title), strict=True)
     runs = {name: outcome.value or _without(usable[name], Ending.FAILED, outcome.explanation) for name, outcome in of_runs}
     return {name: runs.get(name) or _without(requests[name], Ending.UNAVAILABLE, reasons[requests[name].engine] or "") for name in requests}
 
@@ -69,7 +56,6 @@ def cross_validate(
     accuracy: float | None = None,
     settings: Mapping[str, Mapping[str, str]] | None = None,
     tables: Mapping[str, Sequence[RecordedTable]] | None = None,
-    other_work: Work | None = None,
 ) -> list[CaseResult]:
     """Bring every engine to its steady state on every case and compare.
 
@@ -80,7 +66,6 @@ def cross_validate(
         accuracy: error of the tip deflection asked of every engine; None: each engine's default.
         settings: engine -> setting -> value as text.
         tables: case -> its recorded tables.
-        other_work: further runs and jobs that are computed with them and stored.
 
     Raises:
         CaseError: a case without crank and slider: there is no cycle to measure; a table that is not of its case.
@@ -91,8 +76,7 @@ def cross_validate(
     requests = {(case.name, name): _request(case, name, accuracy, settings) for case in cases for name in engines}
     if len(requests) < len(cases) * len(engines):
         raise ValueError("two cases or two engines have one name")
-    other = other_work or Work()
-    runs = carry_out({**other.requests, **requests}, workshop, "engines on cases", other.jobs)
+    runs = carry_out(requests, workshop, "engines on cases")
     return [compare(case, {name: runs[case.name, name] for name in engines}, recorded[case.name]) for case in cases]
 
 

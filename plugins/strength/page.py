@@ -15,7 +15,7 @@ from quickreturn.plugins.strength.words import NAMES, Load, axial_words, from_p,
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.first_screen import Figure, FirstScreen, accuracies_missed
-from quickreturn.reports.page.part import Part, nearness_of
+from quickreturn.reports.page.part import Part
 from quickreturn.reports.tables import CASE, Cell, Column, ColumnList, Table
 from quickreturn.reports.words import degrees, listed, number, off_by, quantity, size
 
@@ -25,19 +25,18 @@ ALONG: Final = 61
 
 def machines(content: Content) -> Mapping[str, FirstScreen]:
     """Case -> what the first screen says of it; empty if no engine gives the stress of any machine's arm."""
-    cases, curves, units = content.of(loads_on), content.of(nearness_of), content.results[0].case.units
+    cases, units = content.of(loads_on), content.results[0].case.units
     if not any(case.lead for case in cases):
         return {}
-    return {case.case.name: machine_screen(case, units, curves.get(case.case.name, "")) for case in cases}
+    return {case.case.name: machine_screen(case, units) for case in cases}
 
 
-def machine_screen(case: CaseLoads, units: Units, nearness: str = "") -> FirstScreen:
+def machine_screen(case: CaseLoads, units: Units) -> FirstScreen:
     """What the person who builds a machine asks first.
 
     Args:
         case: the loads.
         units: those of what is drawn along the arm.
-        nearness: how near a resonance the machine is, by its curve, if it has one.
     """
     if not case.lead:
         none = "No engine gives the stress of this machine’s arm: the chapter Provenance gives the reasons."
@@ -48,7 +47,7 @@ def machine_screen(case: CaseLoads, units: Units, nearness: str = "") -> FirstSc
             f"These numbers miss their accuracy: {'; '.join(missed)}. An error beside a number below is the engine’s own estimate of it."
         )
     sentences = [verdict(case.loads[case.lead]), departure_words(case)]
-    nearest = nearness or (f"Of the crank’s speed {case.nearness}." if case.nearness else "")
+    nearest = f"Of the crank’s speed {case.nearness}." if case.nearness else ""
     return FirstScreen(case.case.title, warning, sentences, machine_figures(case), nearest, along_arm(case, units))
 
 

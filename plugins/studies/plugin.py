@@ -1,4 +1,4 @@
-"""What the plugin adds: commands that study a machine, a chapter, and which quantities of a scene would explain a table."""
+"""What the plugin adds: commands that study a machine, and which quantities of a scene would explain a table."""
 
 from quickreturn.engines.plugins import Plugin
 
@@ -13,6 +13,5 @@ PLUGIN = Plugin(
         "resonance": (f"{_HERE}.commands:resonance", "Follow the periodic motion of CASE over the crank's speed or another key."),
         "calibrate": (f"{_HERE}.commands:calibrate", "Find parameters of CASE from a recorded table by least squares."),
     },
-    page=f"{_HERE}.chapter:PAGE",
     leads=f"{_HERE}.uncertainty.quantities:explanations",
 )

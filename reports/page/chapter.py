@@ -21,7 +21,6 @@ class Series:
         line: whether the points are joined.
         broad: whether it is the broad band behind the others.
         marked: whether each point has a mark.
-        labels: text at each mark; or nothing.
     """
 
     name: str
@@ -33,7 +32,6 @@ class Series:
     line: bool = True
     broad: bool = False
     marked: bool = True
-    labels: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
@@ -48,7 +46,6 @@ class Plot:
     below: float | None = None  # value on the vertical axis below which numbers mean nothing; that range is shaded
     categories: Sequence[str] = ()  # texts of an axis that has rows instead of numbers; `y` then belongs to the horizontal axis
     limit: tuple[float, str] | None = None  # a value that is marked by a line across the rows, and its meaning
-    here: tuple[float, str] | None = None  # a value on the horizontal axis that is marked by a line, and its meaning
 
     @property
     def document(self) -> dict[str, Any]:

@@ -4,7 +4,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 
-from quickreturn.cases.comparison.campaign import Work
 from quickreturn.cases.files.case import Case
 from quickreturn.engines.plugins import found, places
 from quickreturn.reports.page.chapter import MakeChapter
@@ -14,26 +13,22 @@ from quickreturn.reports.page.first_screen import Figure, FirstScreen
 
 @dataclass(frozen=True, kw_only=True)
 class Part:
-    """What a plugin adds. Each function but `work` and `content` gets the content of the page.
+    """What a plugin adds. Each function but `content` gets the content of the page.
 
     Attributes:
         chapters: function that makes a chapter -> its rank; the page has its chapters by rank (`reports.page.chapters.CHAPTERS`).
         templates: packages with the chapters' templates.
-        work: what is computed together with the runs, for cases, names of engines, and whether the cases are the user's own machines.
         content: class of the content for some cases, if these are a subject of the plugin; otherwise None.
         figure: a number in large type for the first screen with its meaning, or None.
         machines: case -> what the first screen says of it, if these are the user's own machines; otherwise empty.
-        nearness: case -> a sentence on how near a resonance the machine is, where the plugin knows more than the nearest harmonic.
         of_engines: heading of a column in the table of engines -> for each engine a text.
     """
 
     chapters: Mapping[MakeChapter, float] = field(default_factory=dict)
     templates: Sequence[str] = ()
-    work: Callable[[Sequence[Case], Sequence[str], bool], Work] | None = None
     content: Callable[[Sequence[Case]], type[Content] | None] | None = None
     figure: Callable[[Content], Figure | None] | None = None
     machines: Callable[[Content], Mapping[str, FirstScreen]] | None = None
-    nearness: Callable[[Content], Mapping[str, str]] | None = None
     of_engines: Mapping[str, Callable[[Content], Mapping[str, str]]] = field(default_factory=dict)
 
 
@@ -41,8 +36,3 @@ class Part:
 def parts() -> tuple[Part, ...]:
     """The parts of the installed plugins."""
     return tuple(map(found, places("page")))
-
-
-def nearness_of(content: Content) -> dict[str, str]:
-    """What all plugins say of how near resonances are (`Part.nearness`)."""
-    return {case: sentence for part in parts() if part.nearness for case, sentence in part.nearness(content).items()}

@@ -15,7 +15,7 @@ from quickreturn.reports import words
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.page.first_screen import Figure, agreement_screen, answer_of
-from quickreturn.reports.page.part import nearness_of, parts
+from quickreturn.reports.page.part import parts
 from quickreturn.reports.page.view import View, cycles, shown_first, trajectories
 from quickreturn.reports.tables import csv_text
 
@@ -99,7 +99,6 @@ def report_page(content: Content, chapters: Sequence[Chapter]) -> str:
         subtitle=f"cross-validation report · {simulations} · {content.facts.get('date', '')[:10]}",
         screen=agreement_screen(answer, content.subject, title_of_case, next(filter(None, figures), _first_mode(shown))),
         machines=machines,
-        curves=content.of(nearness_of),
         shown=shown.case.name,
         chapters=chapters,
     )

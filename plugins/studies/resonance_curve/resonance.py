@@ -35,7 +35,7 @@ class Resonance(Printable):
 
     def __init__(self, case: Case, curve: ResonanceCurve) -> None:
         self.case, self.curve, self._units = case.name, curve, case.units
-        self.around = Around(case, curve, unit=Unit(curve.range.unit, curve.range.size))
+        self.around = Around(case, curve, Unit(curve.range.unit, curve.range.size))
 
     @property
     def frame(self) -> "pd.DataFrame":

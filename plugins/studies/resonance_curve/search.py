@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.errors import CaseError, nearest_or_all
-from quickreturn.cases.files.units import in_si
 from quickreturn.cases.motion.catalogue import ARGUMENT, MEASURES
 from quickreturn.cases.motion.measure import Measure
 from quickreturn.cases.motion.resonance import resonance
@@ -41,7 +40,6 @@ from quickreturn.reference_model.cycles.fixed_points import BranchPoint, Limits,
 from quickreturn.reference_model.cycles.periodic import NoPeriodicOrbit
 from quickreturn.reference_model.cycles.poincare import CycleBroken
 from quickreturn.reference_model.mechanism import Mechanism
-from quickreturn.reference_model.rigid import mean_crank_speed
 
 Array = NDArray[np.float64]
 T = TypeVar("T")
@@ -75,8 +73,6 @@ PIECE: Final = 10
 PROMINENT: Final = 1.1
 #: Error of the place of a fold, as a part of the range: a new search from other points moves it by at most 2e-7.
 FOLD_TOLERANCE: Final = 1e-6
-#: Half width of the default range of speeds, as a part of the machine's own speed.
-NEAR: Final = 0.15
 
 
 def checked_scenes(case: Case, varied: Range, speed: float | None, measures: Sequence[str]) -> Callable[[float], Mechanism]:
@@ -98,18 +94,6 @@ def checked_scenes(case: Case, varied: Range, speed: float | None, measures: Seq
     for value in (varied.low, varied.high):
         _check(scene_at(value))
     return scene_at
-
-
-def job_around(case: Case) -> Job[ResonanceCurve]:
-    """The curve over speeds within `NEAR` of the machine's own speed, or of its mean speed with a driving torque, without claims.
-
-    Raises as `resonance_curve`; Refusal also if the crank stands still.
-    """
-    speed = mean_crank_speed(case.mechanism)
-    if speed == 0.0:
-        raise Refusal("a resonance curve needs a crank that turns; give a speed, or a torque and damping")
-    low, high = sorted(((1.0 - NEAR) * speed, (1.0 + NEAR) * speed))
-    return job(case, Range(SPEED, low, high, "rpm", in_si("rpm")), claims=False)
 
 
 def job(

@@ -8,11 +8,12 @@ import math
 
 import numpy as np
 
+from quickreturn.cases.files.shown import Unit
 from quickreturn.cases.library import load_case
 from quickreturn.plugins.studies.around import Around
 from quickreturn.plugins.studies.resonance_curve.curve import SPEED, Range, ResonanceCurve, ResonancePeak, SpecialPoint
 from quickreturn.plugins.studies.resonance_curve.search import USUAL
-from quickreturn.reference_model.rigid import crank_pace
+from quickreturn.reference_model.rigid import mean_crank_speed
 
 WIDTH, FOLD, OWN = 0.14, math.sqrt(1.0 / 8.0), math.sqrt(3.0 / 8.0)
 PEAK = 0.85
@@ -32,7 +33,7 @@ def height(u: float) -> float:
 def made_up_around(name: str = "example") -> Around:
     """The curve around the speed of a case of the library."""
     case = load_case(name)
-    pace = crank_pace(case.mechanism)
+    pace = mean_crank_speed(case.mechanism)
     u = np.union1d(np.linspace(-1.0, 1.0, 61), [-FOLD, FOLD])
     folds = np.searchsorted(u, [-FOLD, FOLD]).tolist()
     unstable = np.abs(u) < FOLD
@@ -53,4 +54,4 @@ def made_up_around(name: str = "example") -> Around:
         peaks=(ResonancePeak(pace * speed(PEAK), height(PEAK), peak, 8),),
         settings={"modes": 4, "finer_modes": 7, "tolerance": 1e-10},
     )
-    return Around(case, curve, mean_speed=pace)
+    return Around(case, curve, Unit("rpm", RPM))

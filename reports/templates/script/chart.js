@@ -39,9 +39,6 @@ class Axis {
   }
 }
 
-/** Where the label of a mark may stand, from the mark, px. */
-const LABELS = [[0, -16], [0, 19], [24, -16], [-24, -16], [24, 16], [-24, 16]];
-
 /** The parts of a line between its gaps. */
 function unbroken(points) {
   const parts = [[]];
@@ -108,7 +105,7 @@ class Chart {
   /** Points and lines over two axes. */
   axes(shown, across) {
     const { plot } = this, width = across, height = width < 500 ? 320 : 380;
-    const [above, below] = [plot.here ? 60 : 30, 44], named = width >= 760;
+    const [above, below] = [30, 44], named = width >= 760;
     const marked = (axis) => shown.flatMap((series) => series[axis ? "y" : "x"].filter((value) => value !== null));
     const vertical = new Axis(marked(1), plot.log.includes("y"), [height - below, above], 7);
     const left = 14 + Math.max(...vertical.ticks.map((value) => wide(onAxis(value)))), right = named ? 24 + Math.max(...shown.map(({ name }) => wide(name, NAME))) : 14;
@@ -126,13 +123,6 @@ class Chart {
     made.append(svg("path", { d: `M${left} ${above}V${height - below}H${width - right}`, fill: "none", stroke: colour("soft") }));
     made.append(words(4, 16, plot.y, { anchor: "start", fill: colour("ink"), size: NAME }));
     made.append(words((left + width - right) / 2, height - 6, plot.x, { fill: colour("ink"), size: NAME }));
-    const here = [];  // what the marked value covers
-    if (plot.here) {
-      const x = horizontal.place(plot.here[0]), half = wide(plot.here[1], NAME) / 2 + 2, middle = Math.min(Math.max(x, half), width - half);
-      made.append(svg("line", { x1: x, x2: x, y1: above - 20, y2: height - below, stroke: colour("ink"), "stroke-dasharray": "2 3" }));
-      made.append(words(middle, above - 25, plot.here[1], { fill: colour("ink"), size: NAME }));
-      here.push(around([x, height / 2], 1, height), around([middle, above - 29], half, 9));
-    }
     const places = new Map(shown.map((series) => [series, series.x.map((x, k) => x === null ? null : [horizontal.place(x), vertical.place(series.y[k])])]));
     const inOrder = [...shown].sort((a, b) => b.broad - a.broad || lookOf(a.of).order - lookOf(b.of).order);
     for (const series of inOrder) {
@@ -150,8 +140,6 @@ class Chart {
       made.append(group);
     }
     const taken = this.marks.map(({ x, y }) => around([x, y], 7, 7));
-    taken.push(...here);
-    for (const { series, index, x, y } of this.marks) if (series.labels[index]) this.write(made, series.labels[index], LABELS.map(([dx, dy]) => [x + dx, y + dy]), taken, [left, 20, width, height - below]);
     if (named) this.name(made, shown.filter((series) => !series.broad), places, taken, [0, 20, width, height - below]);
     return made;
   }

@@ -45,13 +45,6 @@ FAULTS = {
 }
 
 
-@pytest.fixture
-def no_resonance_curve(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Reports without the motion at other speeds, which none of these engines computes and which takes seconds."""
-    monkeypatch.setattr("quickreturn.plugins.studies.around.jobs_around", lambda cases: {})
-    monkeypatch.setattr("quickreturn.plugins.studies.around.curves_around", lambda cases, workshop, speeds: [])
-
-
 # --- engines that misbehave ------------------------------------------------------------------------------------------------------
 
 
@@ -105,7 +98,6 @@ def test_what_the_machine_did_to_an_engine_is_not_kept(campaign: Campaign) -> No
     assert nothing_half_done(campaign.folder)
 
 
-@pytest.mark.usefixtures("no_resonance_curve")
 @pytest.mark.verify
 def test_a_report_asks_engines_as_run_does(place: Path, call: Call) -> None:
     """A run with the same settings and accuracy finds the report's result in the store."""
