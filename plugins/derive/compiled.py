@@ -55,8 +55,6 @@ class CompiledEquations:
         now = [column(*system.frozen.values())], [column(*(e.q[k] for k in system.frozen))]
         self._slopes = ca.Function("slopes", at, ca.substitute([column(*(ca.norm_inf(psi) for _, psi in system.slopes))], *now))
         self._levers = ca.Function("levers", at, [e.M[:n, :n], e.G[:, :n], e.C[:, :n]])
-        moving = [column(system.time, e.q, e.v, self.constants, *rows)]
-        self._motion = ca.Function("motion", moving, [e.gap, e.G, e.bias, e.M[:n, :n], e.Q[:n]])
         self.units = {"time": "s"} | {name: unit for name, (_, unit) in e.outputs.items()}
 
     @cached_property
@@ -115,11 +113,6 @@ class CompiledEquations:
         self._at[:] = self._place(time, q, p)
         self._jacobian()
         return self._G.copy()
-
-    def motion(self, time: float, q: Array, v: Array, p: Array) -> tuple[Array, Array, Array, Array, Array]:
-        """The gaps of the loops, their Jacobian, their bias, the mass matrix and the forces; v: all rates. See `Equations`."""
-        gap, G, bias, M, Q = (np.array(each) for each in self._motion(self._place(time, np.append(q, v), p)))
-        return gap.ravel(), G, bias.ravel(), M, Q.ravel()
 
     def levers(self, time: float, q: Array, p: Array) -> tuple[float, float]:
         """How forces that act elsewhere move what they hold: a number that changes sign in a pole of the forces, and the distance to one.

@@ -35,7 +35,7 @@ def described(name: str, gravity: float = 0.0) -> tuple[System, Any]:
 
 
 def simple_pendulum() -> Published:
-    """IFToMM library A01, in Cartesian coordinates; falls from the horizontal (elliptic functions). Dead points of x are passed."""
+    """IFToMM library A01, in Cartesian coordinates; falls from the horizontal (elliptic functions)."""
     system, u = described("simple pendulum", 9.81)
     x, y = system.coordinate("x", "m", guess=1.0), system.coordinate("y", "m")
     system.body("bob", u.kg, vector(x, y))
