@@ -23,7 +23,7 @@ from quickreturn.plugins.conform.contract import GROUPS, conform, failures, repe
 from quickreturn.plugins.conform.promises import climb, frequencies, ladder, stated_errors
 from quickreturn.plugins.conform.quantities import alone, followed, together, turning, with_everything
 from quickreturn.plugins.conform.scenes import BASE, CHANGES, CHANGES_ALONE, FEATURES
-from quickreturn.plugins.conform.tests.mutants import PLANTED, SOUND, Coarse, column, of_frequencies
+from quickreturn.plugins.conform.tests.mutants import PLANTED, SOUND, column, of_frequencies
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.scene_values import NAMED, changed
 from tests.engines.test_simple import ToyEngine
@@ -114,6 +114,9 @@ class SixElements(ExudynEngine):
 
     def settings_for(self, accuracy: float, mechanism: Mechanism) -> ExudynSettings:
         return super().settings_for(accuracy, mechanism).replaced(elements=6)
+
+
+Coarse = type("Coarse", (ReferenceEngine,), {"name": "coarse-by-default", "default_accuracy": 0.2})
 
 
 def test_reference_is_not_accused() -> None:
