@@ -20,32 +20,19 @@ OUTPUT_STEP: Final = 1e-3  # s
 DURATION: Final = 0.58  # s: a turn of the crank and a little more, so that angles run past a turn
 SPEED: Final = 12.0  # of the crank, rad/s
 
-_TIP: Final = Tip(mass=0.05, inertia=2e-6)
+_DRIVE: Final = TorqueDrive(torque=0.6, damping=0.05, initial_speed=SPEED)
+_BEAM: Final = Follower(
+    length=0.6, mass_per_length=0.33, bending_stiffness=20.0, thickness=3e-3, width=0.04, strain_gauges=(0.14, 0.29, 0.46)
+)
 BASE: Final = Mechanism(
     pivot_distance=0.42,
-    crank=Crank(
-        length=0.11,
-        drive=TorqueDrive(torque=0.6, damping=0.05, initial_speed=SPEED),
-        mass=1.2,
-        center_of_mass=0.03,
-        inertia=2e-3,
-        initial_angle=math.pi,
-    ),
+    crank=Crank(length=0.11, drive=_DRIVE, mass=1.2, center_of_mass=0.03, inertia=2e-3, initial_angle=math.pi),
     base=Base(inertia=2e-5),
-    follower=Follower(
-        length=0.6,
-        mass_per_length=0.33,
-        bending_stiffness=20.0,
-        thickness=3e-3,
-        width=0.04,
-        strain_gauges=(0.14, 0.29, 0.46),
-    ),
-    tip=_TIP,
+    follower=_BEAM,
+    tip=Tip(mass=0.05, inertia=2e-6),
 )
 #: The mild scene for engines that need a prescribed crank speed.
 PRESCRIBED: Final = changed(BASE, {"crank.prescribed_speed": SPEED})
-
-
 #: A softer follower (N m^2), which bends by 10 mm, so that mistakes of the geometry show; and the time, s, after which its state is a bent
 #: start in motion.
 SOFT: Final = {"follower.bending_stiffness": 8.0}

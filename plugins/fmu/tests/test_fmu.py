@@ -131,10 +131,7 @@ def test_a_mistake_in_the_file_is_told_with_its_place_and_what_is_accepted(make:
 @pytest.mark.parametrize(
     ("spoil", "words"),
     [
-        (
-            lambda: rewritten(lambda name, content: (name.replace("linux64", "darwin64"), content)),
-            "machine.fmu has no library for linux64",
-        ),
+        (lambda: rewritten(lambda name, content: (name.replace("linux64", "darwin64"), content)), "machine.fmu has no library for linux64"),
         (lambda: Path("machine.fmu").write_bytes(b"PK nonsense"), "machine.fmu is no FMU with a description that can be read (BadZipFile"),
         (
             lambda: rewritten(lambda name, content: (name, b"<" if name == "modelDescription.xml" else content)),

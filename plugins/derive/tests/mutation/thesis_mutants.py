@@ -42,10 +42,7 @@ SOURCE = Source(
     ),
     stand_ins=dict.fromkeys(("compiled", "inlined", "inner", "parameters_at", "workspace_at"), plain)
     | {"state_of": lambda y, n: State.of(y, slider=False)},
-    entry=lambda defined: Equations(
-        lambda p, w, y: defined["evaluate"](p, w, State.of(y, slider=False)),
-        defined["right_hand_side"],
-    ),
+    entry=lambda defined: Equations(lambda p, w, y: defined["evaluate"](p, w, State.of(y, slider=False)), defined["right_hand_side"]),
 )
 
 #: That of test_thesis_equations.py; the unchanged source lies three decades below.

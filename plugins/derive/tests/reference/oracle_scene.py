@@ -175,10 +175,7 @@ def mechanism_of(parameters: Mapping[str, float]) -> Mechanism:
                 strain_gauges=(0.25 * p["length"], 0.5 * p["length"], 0.75 * p["length"]),
             ),
             tip=Tip(
-                mass=p["tip_mass"],
-                inertia=p["tip_inertia"],
-                center_of_mass=p["tip_center_of_mass"],
-                force=(p["force_1"], p["force_2"]),
+                mass=p["tip_mass"], inertia=p["tip_inertia"], center_of_mass=p["tip_center_of_mass"], force=(p["force_1"], p["force_2"])
             ),
             slider=Slider(mass=p["slider_mass"], inertia=p["slider_inertia"]),
             gravity=(p["gravity_1"], p["gravity_2"]),
