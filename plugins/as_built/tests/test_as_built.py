@@ -47,14 +47,6 @@ def module_monkeypatch() -> Any:
         sys.modules.pop(name, None)
 
 
-def test_the_frequency_and_damping_of_a_known_ring_are_found(measure: Any) -> None:
-    t = 1e-3 * np.arange(1000)
-    signal = 2.0 + np.exp(-0.02 * 2.0 * np.pi * 18.0 * t) * np.cos(2.0 * np.pi * 18.0 * t) + 0.2 * np.cos(2.0 * np.pi * 71.0 * t)
-    frequency, damping = measure.mujoco_machines.ring(signal, 1e-3)
-    assert frequency == pytest.approx(18.0, rel=2e-3)
-    assert damping == pytest.approx(0.02, rel=0.05)
-
-
 def test_the_defaults_lose_the_machine_and_a_stiff_contact_keeps_it(measure: Any) -> None:
     machines = measure.mujoco_machines
     lost, _ = machines.simulate(machines.MACHINES["slot, all defaults, 2 ms"], 0.1)
