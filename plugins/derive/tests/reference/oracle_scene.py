@@ -3,7 +3,7 @@
 import cmath
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from quickreturn.plugins.derive.tests.reference.derived_thesis import of_shapes,
 from quickreturn.reference_model.columns import BEARINGS, MOMENTS, ROW, SHAPE, by_column, recorded_columns
 from quickreturn.reference_model.compiled_state import state_of
 from quickreturn.reference_model.follower import Follower
-from quickreturn.reference_model.mechanism import Base, Crank, Mechanism, TorqueDrive
+from quickreturn.reference_model.mechanism import Base, Crank, Mechanism, PrescribedSpeed, TorqueDrive
 from quickreturn.reference_model.native.compilation import compiled
 from quickreturn.reference_model.native.memory import Placed
 from quickreturn.reference_model.shapes import ShapeSet, hermite_elements
@@ -209,6 +209,23 @@ def expected_cubic(parameters: Mapping[str, float], state: Mapping[str, float]) 
         "shape": _cubic(parameters["length"], state),
         "moments": _moments_of_cubic(parameters, state, float(found["slider"][0])),
         "state_rate": np.r_[state["crank_speed"], eta_rate, found["accelerations"]],
+    }
+
+
+def prescribed(parameters: Mapping[str, float], state: Mapping[str, float]) -> tuple[ThesisParameters, Values]:
+    """Parameters of the single cubic with the crank at the state's speed, and what the derivation says of a scene without motor."""
+    oracle, speed = expected_cubic(parameters, state), state["crank_speed"]
+    mass, force = oracle["projected_mass_matrix"], oracle["projected_force"]
+    accelerations = np.linalg.solve(mass[1:, 1:], force[1:])
+    torque = mass[0, 1:] @ accelerations - force[0]  # the row of the crank, which does not accelerate
+    mechanism = mechanism_of(parameters)
+    mechanism = replace(mechanism, crank=replace(mechanism.crank, drive=PrescribedSpeed(speed=speed)))
+    p = build_parameters(mechanism, hermite_elements(parameters["length"], 1), exact_geometry=False, cells=0)
+    return p, {
+        "projected_mass_matrix": mass[1:, 1:],
+        "accelerations": accelerations,
+        "drive_power": torque * speed + oracle["drive_power"],  # without a motor the oracle's is that of the force on the tip
+        "kinetic_energy": oracle["kinetic_energy"],
     }
 
 

@@ -1,6 +1,5 @@
 """The explicit equations against the computer's derivation at random states far beyond what a run visits."""
 
-import dataclasses
 import math
 
 import numpy as np
@@ -16,12 +15,11 @@ from quickreturn.plugins.derive.tests.reference.oracle_scene import (
     expected_shapes,
     flexible,
     largest_difference,
-    mechanism_of,
+    prescribed,
     state_vector,
 )
-from quickreturn.reference_model.mechanism import PrescribedSpeed
 from quickreturn.reference_model.shapes import hermite_elements
-from quickreturn.reference_model.thesis.parameters import UnsuitableShapes, build_parameters, build_workspace
+from quickreturn.reference_model.thesis.parameters import UnsuitableShapes, build_workspace
 
 #: Every integral of the single cubic is exact and the 3 x 3 systems have condition numbers up to 1e4: rounding leaves 1e-13.
 ROUNDING = 1e-10
@@ -41,22 +39,8 @@ def test_single_cubic_equals_the_computers_derivation(seed: int, present: float)
 @pytest.mark.parametrize("seed", range(6))
 def test_prescribed_speed_holds_the_crank_and_names_its_torque(seed: int) -> None:
     parameters, state = draw_case(50 + seed, present=1.0, lacking=("crank_torque", "crank_damping"))
-    oracle = expected_cubic(parameters, state)
-    mass, force = oracle["projected_mass_matrix"], oracle["projected_force"]
-    flexible_acceleration = np.linalg.solve(mass[1:, 1:], force[1:])
-    mechanism = mechanism_of(parameters)
-    crank = dataclasses.replace(mechanism.crank, drive=PrescribedSpeed(speed=state["crank_speed"]))
-    shapes = hermite_elements(parameters["length"], 1)
-    p = build_parameters(dataclasses.replace(mechanism, crank=crank), shapes, exact_geometry=False, cells=0)
+    p, expected = prescribed(parameters, state)
     found = computed(COMPILED, p, state_vector(p, state, *flexible(state)))
-    torque = mass[0, 1:] @ flexible_acceleration - force[0]  # the row of the crank, which does not accelerate
-    pushed = oracle["drive_power"]  # without a torque on the crank that of the force on the tip
-    expected = {
-        "projected_mass_matrix": mass[1:, 1:],
-        "accelerations": flexible_acceleration,
-        "drive_power": torque * state["crank_speed"] + pushed,
-        "kinetic_energy": oracle["kinetic_energy"],
-    }
     difference, where = largest_difference(found, expected)
     assert difference < ROUNDING, where
 
