@@ -77,7 +77,7 @@ def followed(bench: Bench, scene: Scene, change: Change, skipped: frozenset[str]
     if not bench.scene.crank_is_free and any(path in OF_TORQUE for path in change.given):
         raise Refusal("a driven crank is not modelled")
     context = changed(scene, change.context)
-    motions = Motion(context, change.duration), Motion(change.of(context), change.duration)
+    motions = Motion(context, change.duration), Motion(changed(context, change.given), change.duration)
     if motions[0] == motions[1]:
         raise Refusal("the scene has it already")
     try:

@@ -13,7 +13,7 @@ from typing import Any, Final
 
 from quickreturn.reference_model.follower import Follower
 from quickreturn.reference_model.mechanism import Base, Crank, FollowerAlone, Mechanism, SpinUp, TorqueDrive
-from quickreturn.reference_model.scene_values import AnyScene, changed
+from quickreturn.reference_model.scene_values import changed
 from quickreturn.reference_model.tip import ForceTable, Tip
 
 OUTPUT_STEP: Final = 1e-3  # s
@@ -57,10 +57,6 @@ class Change:
     given: Mapping[str, Any]  # dotted key -> new value
     context: Mapping[str, Any] = field(default_factory=dict)  # other values that it needs to have an effect, before and after the change
     duration: float = 0.4  # of the motion, s; three quarters of a turn unless another one shows more
-
-    def of(self, scene: AnyScene) -> AnyScene:
-        """The scene with the new value."""
-        return changed(scene, self.given)
 
 
 _GRAVITY: Final = "mechanism.gravity"

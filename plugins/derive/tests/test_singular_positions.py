@@ -58,15 +58,6 @@ def test_at_a_dead_point_of_the_chosen_coordinates_a_motion_ends_that_multiplier
     assert found["crank"].iloc[-1] == pytest.approx(end, abs=1e-7)
 
 
-@pytest.mark.parametrize("tolerance", [1e-5, 1e-7])
-def test_loops_are_closed_in_rows_within_long_steps(tolerance: float) -> None:
-    """The rods turn slowly from the top, in steps as long as the feedback of the loops allows; in longer ones rows opened by 4 mm."""
-    found = Model(parallelograms([1.0, 1.0], [1.0, 1.0], 1.0, 1.0)).simulate({"arm_0": np.pi / 2, "arm_0_rate": -1.0}, 0.7, 0.02, tolerance)
-    right = angle_of_parallelograms([1.0, 1.0], 1.0, 1.0, (np.pi / 2, -1.0), found["time"].to_numpy())
-    for arm in ("arm_0", "arm_1", "arm_2"):
-        np.testing.assert_allclose(found[arm], right, atol=10.0 * tolerance)
-
-
 @pytest.mark.parametrize("off", [1e-1, *(pytest.param(each, marks=pytest.mark.verify) for each in (1e-2, 1e-3, 1e-4))])
 def test_a_linkage_that_nearly_folds_turns_off_as_its_lengths_say(off: float) -> None:
     """A longer rocker: at the line it misses the other branch by the root of `off`, and no step may lead there."""

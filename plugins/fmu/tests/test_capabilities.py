@@ -46,16 +46,6 @@ def test_an_fmu_that_allows_one_instance_takes_turns(make_plain: Make) -> None:
         assert np.array_equal(np.concatenate([begin["tip_x"], end["tip_x"][1:]]), whole["tip_x"])
 
 
-def test_the_description_says_that_one_instance_is_allowed(make_plain: Make) -> None:
-    """Without it the second instance fails: the FMU does what it says."""
-    path = make_plain(once=True)
-    described(('OncePerProcess="true"', 'OncePerProcess="false"'), fmu="plain.fmu")
-    first = begun(engine(path))
-    with pytest.raises(OSError, match="in the FMU, "):
-        begun(engine(path))
-    assert len(first.advance(1e-3, 1e-3)) == 2
-
-
 def test_a_simulation_keeps_to_one_step_if_the_fmu_has_no_other(make_plain: Make) -> None:
     simulation = begun(engine(make_plain()))
     simulation.advance(0.01, 1e-3)
