@@ -47,7 +47,7 @@ def simple_pendulum() -> Published:
         angle = 2 * np.arcsin(sine)
         return {"x": np.sin(angle), "y": -np.cos(angle)}
 
-    return Published(system, {"y": 0.0, "x": 1.0}, 10.0, right, 1e-6)
+    return Published(system, {"y": 0.0, "x": 1.0}, 4.0, right, 1e-6)
 
 
 #: Test Set for Initial Value Problem Solvers, `andrews.f`: constants, start and end at 0.03 s.

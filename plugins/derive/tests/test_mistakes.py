@@ -182,9 +182,10 @@ def test_an_equilibrium_that_is_not_there() -> None:
 
 
 def test_a_system_too_large_for_latex_or_without_sensitivities() -> None:
+    system = described("four_bar").four_bar(1)
     with pytest.raises(DescriptionError, match="instructions; LaTeX is for"):
-        latex(described("spin_up").spin_up())
-    model = Model(described("four_bar").four_bar(1), "multipliers")
+        latex(system)
+    model = Model(system, "multipliers")
     with pytest.raises(DescriptionError, match="need the form 'projection'"):
         sensitivities(model, ["crank"], {}, 0.1, 0.1)
 
