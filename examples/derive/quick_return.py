@@ -1,13 +1,11 @@
-"""The quick-return of the thesis: a follower of one cubic, of shapes that stay, that follow."""
+"""The quick-return of the thesis: a follower of one cubic."""
 
 from collections.abc import Callable
 from math import pi
 
 import casadi as ca
-import numpy as np
 
 from quickreturn.derive import Beam, System, turned, vector
-from quickreturn.reference_model.motion.layout import ShapeRow
 
 #: Of a system, the slider's arc length, the constants: beam, the slider's place and angle, and the
 #: tangent there.
@@ -69,58 +67,3 @@ def one_cubic(system, s, p, **common):
     )  # fmt: skip
     place, along = beam.place(s), ca.jtimes(beam.place(s), s, 1)
     return beam, place, beam.slope(s), along / ca.norm_2(along)
-
-
-def staying(system, s, p, **common):
-    """The same cubic's slope as the tangent's angle: places without approximation."""
-    w, slope = system.coordinate("tip_deflection", "m"), system.coordinate("tip_slope", "rad")
-    now = system.freeze(s)
-
-    def tangent(x):
-        u = x / p.length
-        return 6 * (u - u**2) / p.length * w + (3 * u**2 - 2 * u) * slope
-
-    beam = Beam(
-        system, "follower", edges=[0, now, p.length], tangent=tangent, points=7,
-        bending_stiffness=p.bending_stiffness, **common,
-    )  # fmt: skip
-    curvature = ca.jtimes(tangent(now), now, 1)
-    return beam, beam.slider(0, s - now, curvature), beam.slope(s), turned(beam.end_slope(0), 1)
-
-
-def following(tables, modes: int) -> Follower:
-    """Natural modes of the follower supported at the slider, by the tables of `reference`."""
-
-    def follower(system, s, p, **common):
-        eta, now = system.amplitudes("eta", modes, "kg**0.5*m", size=1e-3), system.freeze(s)
-        table = system.table(s, tables.low, tables.step, tables.coefficients)
-        angle, square = "1/(kg**0.5*m)", "1/s^2"
-        shapes = ca.reshape(table.function(angle, *where["psi"]), -1, modes)
-        squares = table.function(square, *where["squares"])
-        curvature = table.function(f"{angle}/m", where["curvature"])
-        at_slider = table.function(angle, *where["at slider"])
-        beam = Beam(
-            system, "follower", edges=[0, now, p.length], tangent=lambda x: shapes @ eta,
-            points=tables.gauss_points, **common,
-        )  # fmt: skip
-        system.energy("follower", ca.dot(squares, eta**2) / 2)
-        slider = beam.slider(0, s - now, ca.dot(curvature, eta))
-        slope = beam.angle + ca.dot(at_slider, eta)
-        return beam, slider, slope, turned(beam.end_slope(0), 1)
-
-    where = columns_of_shapes(tables, modes)
-    return follower
-
-
-def columns_of_shapes(tables, modes: int) -> dict[str, list]:
-    """Where a row has the shapes' angles and what goes with them, with derivatives by s."""
-    row = ShapeRow.of(np.arange(tables.coefficients.shape[2]), modes, tables)
-    places, inner = (modes, tables.cells, tables.cell_size), slice(tables.gauss_points + 1)
-    kinds = [kind.reshape(places)[:, :, inner] for kind in (row.psi_i, row.psi_i_s, row.psi_i_ss)]
-    by_place = row.angle_at_slider_s, row.angle_at_slider_ss
-    return {
-        "psi": [kind.ravel().tolist() for kind in kinds],
-        "squares": [row.squares.tolist(), row.squares_s.tolist()],
-        "curvature": row.curvature_at_slider.tolist(),
-        "at slider": [kinds[0][:, 0, -1].tolist(), *(each.tolist() for each in by_place)],
-    }

@@ -26,16 +26,7 @@ from quickreturn.plugins.conform.bench import (
     solution,
 )
 from quickreturn.plugins.conform.columns import UNEXPLAINED, beyond_claims, examined, look_at
-from quickreturn.plugins.conform.scenes import (
-    CHANGES,
-    CHANGES_ALONE,
-    FEATURES,
-    FEATURES_ALONE,
-    LONG_CRANK,
-    SPUN_UP,
-    TURNED,
-    Change,
-)
+from quickreturn.plugins.conform.scenes import CHANGES, CHANGES_ALONE, FEATURES, FEATURES_ALONE, LONG_CRANK, SPUN_UP, TURNED, Change
 from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.scene_values import OF_TORQUE, AnyScene, changed
@@ -86,7 +77,7 @@ def followed(bench: Bench, scene: Scene, change: Change, skipped: frozenset[str]
     if not bench.scene.crank_is_free and any(path in OF_TORQUE for path in change.given):
         raise Refusal("a driven crank is not modelled")
     context = changed(scene, change.context)
-    motions = Motion(context, change.duration), Motion(change.of(context), change.duration)
+    motions = Motion(context, change.duration), Motion(changed(context, change.given), change.duration)
     if motions[0] == motions[1]:
         raise Refusal("the scene has it already")
     try:

@@ -13,39 +13,26 @@ from typing import Any, Final
 
 from quickreturn.reference_model.follower import Follower
 from quickreturn.reference_model.mechanism import Base, Crank, FollowerAlone, Mechanism, SpinUp, TorqueDrive
-from quickreturn.reference_model.scene_values import AnyScene, changed
+from quickreturn.reference_model.scene_values import changed
 from quickreturn.reference_model.tip import ForceTable, Tip
 
 OUTPUT_STEP: Final = 1e-3  # s
 DURATION: Final = 0.58  # s: a turn of the crank and a little more, so that angles run past a turn
 SPEED: Final = 12.0  # of the crank, rad/s
 
-_TIP: Final = Tip(mass=0.05, inertia=2e-6)
+_DRIVE: Final = TorqueDrive(torque=0.6, damping=0.05, initial_speed=SPEED)
+_BEAM: Final = Follower(
+    length=0.6, mass_per_length=0.33, bending_stiffness=20.0, thickness=3e-3, width=0.04, strain_gauges=(0.14, 0.29, 0.46)
+)
 BASE: Final = Mechanism(
     pivot_distance=0.42,
-    crank=Crank(
-        length=0.11,
-        drive=TorqueDrive(torque=0.6, damping=0.05, initial_speed=SPEED),
-        mass=1.2,
-        center_of_mass=0.03,
-        inertia=2e-3,
-        initial_angle=math.pi,
-    ),
+    crank=Crank(length=0.11, drive=_DRIVE, mass=1.2, center_of_mass=0.03, inertia=2e-3, initial_angle=math.pi),
     base=Base(inertia=2e-5),
-    follower=Follower(
-        length=0.6,
-        mass_per_length=0.33,
-        bending_stiffness=20.0,
-        thickness=3e-3,
-        width=0.04,
-        strain_gauges=(0.14, 0.29, 0.46),
-    ),
-    tip=_TIP,
+    follower=_BEAM,
+    tip=Tip(mass=0.05, inertia=2e-6),
 )
 #: The mild scene for engines that need a prescribed crank speed.
 PRESCRIBED: Final = changed(BASE, {"crank.prescribed_speed": SPEED})
-
-
 #: A softer follower (N m^2), which bends by 10 mm, so that mistakes of the geometry show; and the time, s, after which its state is a bent
 #: start in motion.
 SOFT: Final = {"follower.bending_stiffness": 8.0}
@@ -70,10 +57,6 @@ class Change:
     given: Mapping[str, Any]  # dotted key -> new value
     context: Mapping[str, Any] = field(default_factory=dict)  # other values that it needs to have an effect, before and after the change
     duration: float = 0.4  # of the motion, s; three quarters of a turn unless another one shows more
-
-    def of(self, scene: AnyScene) -> AnyScene:
-        """The scene with the new value."""
-        return changed(scene, self.given)
 
 
 _GRAVITY: Final = "mechanism.gravity"

@@ -45,18 +45,11 @@ class CompiledEquations:
         self.inputs = column(system.time, e.state, self.constants, *(table.row for table in system.tables))
         rows = [table.row for table in system.tables]
         at = [column(system.time, e.q, self.constants, *rows)]
-        jacobian = ca.Function("jacobian", at, [ca.densify(e.G.T)])
-        self._at, self._G = np.zeros(jacobian.numel_in()), np.zeros(e.G.shape)
-        called: Any = jacobian.buffer()  # CasADi's quickest way to call a function
-        self._buffer, self._jacobian = called
-        self._buffer.set_arg(0, self._at.data)
-        self._buffer.set_res(0, self._G.data)
+        self._jacobian = ca.Function("jacobian", at, [ca.densify(e.G)])
         self._matrices = ca.Function("matrices", at, [e.gap, e.G, e.M[:n, :n]])
         now = [column(*system.frozen.values())], [column(*(e.q[k] for k in system.frozen))]
         self._slopes = ca.Function("slopes", at, ca.substitute([column(*(ca.norm_inf(psi) for _, psi in system.slopes))], *now))
         self._levers = ca.Function("levers", at, [e.M[:n, :n], e.G[:, :n], e.C[:, :n]])
-        moving = [column(system.time, e.q, e.v, self.constants, *rows)]
-        self._motion = ca.Function("motion", moving, [e.gap, e.G, e.bias, e.M[:n, :n], e.Q[:n]])
         self.units = {"time": "s"} | {name: unit for name, (_, unit) in e.outputs.items()}
 
     @cached_property
@@ -112,14 +105,7 @@ class CompiledEquations:
 
     def jacobian(self, time: float, q: Array, p: Array) -> Array:
         """The Jacobian of the loops by coordinates and time, shape (rows, n + 1)."""
-        self._at[:] = self._place(time, q, p)
-        self._jacobian()
-        return self._G.copy()
-
-    def motion(self, time: float, q: Array, v: Array, p: Array) -> tuple[Array, Array, Array, Array, Array]:
-        """The gaps of the loops, their Jacobian, their bias, the mass matrix and the forces; v: all rates. See `Equations`."""
-        gap, G, bias, M, Q = (np.array(each) for each in self._motion(self._place(time, np.append(q, v), p)))
-        return gap.ravel(), G, bias.ravel(), M, Q.ravel()
+        return np.array(self._jacobian(self._place(time, q, p)))
 
     def levers(self, time: float, q: Array, p: Array) -> tuple[float, float]:
         """How forces that act elsewhere move what they hold: a number that changes sign in a pole of the forces, and the distance to one.

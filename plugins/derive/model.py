@@ -1,21 +1,26 @@
 """Evaluates derived equations numerically: finds a start, integrates, and computes the named outputs."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from itertools import pairwise
 from numbers import Real
-from typing import Final
+from typing import Any, Final
 
-import casadi as ca
 import numpy as np
 import pandas as pd
+from scipy import integrate
 
 from quickreturn.plugins.derive.checks import check_condition, check_inertia
-from quickreturn.plugins.derive.collocation import CLEAN, MOVED, NODES, Passage
 from quickreturn.plugins.derive.compiled import Array, CompiledEquations, Values
-from quickreturn.plugins.derive.integration import Rates, integrated
 from quickreturn.plugins.derive.singular import Watch
 from quickreturn.plugins.derive.units import DescriptionError, in_si
 
+#: A function that gives the rate of the state at a time, for a state and values of the parameters.
+Rates = Callable[[float, Array, Array], Array]
+
+METHODS: Final[dict[str, Any]] = {"DOP853": integrate.DOP853, "Radau": integrate.Radau}
+#: Longest step of DOP853 times the rate of the feedback. At 6 the method is unstable; at 5 rates in rows between the ends of a step are off
+#: by 2e-6 at a tolerance of 1e-9, at 3 by 3e-8.
+LONGEST: Final = 3.0
 #: Largest gap of a closed loop after Newton's method, relative to the size of the loop's terms.
 CLOSED: Final = 1e-8
 #: Largest rate of the gap of a loop that stays closed, relative to the largest rate in the loops. People give rates with few digits.
@@ -24,15 +29,12 @@ OPENS: Final = 1e-5
 SMALLEST_PART: Final = 1e-6
 #: Largest change of an angle in a step of that search, rad: longer ones lead to other ways to close the loops.
 TURN: Final = 0.5
+#: Change of the energy in each step, over the tolerance and the energy in motion, that errors of integration explain.
+DRIFT: Final = 10.0
 #: Relative rounding of a potential energy whose parts cancel.
 ROUNDING: Final = 1e-12
-#: Longest step of DOP853 times the rate of the feedback. At 6 the method is unstable; at 5 rates in rows between the ends of a step are off
-#: by 2e-6 at a tolerance of 1e-9, at 3 by 3e-8.
-LONGEST: Final = 3.0
 #: Smallest part of a motion, over its size, in which a force that acts elsewhere must move what it acts on.
 HELPLESS: Final = 1e-9
-#: Part of a passage beside the singular position in which forces of loops are lost in rounding, whose square they are divided by.
-LOST: Final = 1e-3
 
 
 def grid(duration: float, step: float) -> Array:
@@ -61,13 +63,7 @@ class Model(CompiledEquations):
     """
 
     def start(self, values: Values, parameters: Values | None = None) -> Array:
-        """The state at time 0 for given coordinates and rates; see `placed`."""
-        return self.state(*self.placed(values, parameters)[:2])
-
-    def placed(self, values: Values, parameters: Values | None = None) -> tuple[Array, Array, list[int], list[int]]:
-        """Coordinates and rates at time 0, SI, for those given by name in their units, and the indices of those that the loops gave.
-
-        Coordinates and rates that are not given are zero, or follow from the loops.
+        """The state at time 0 for coordinates and rates given by name in their units; others are zero, or follow from the loops.
 
         Newton's method starts from the guess of each coordinate that a loop gives, and keeps given values.
 
@@ -80,8 +76,7 @@ class Model(CompiledEquations):
         v = np.array([values.get(c.rate_name, 0.0) * in_si(c.unit)[0] for c in coordinates])
         given = [k for loop in self.system.loops for k in loop.gives]
         seek, turn = ([k for k in given if coordinates[k][which] not in values] for which in (0, 1))
-        p = self.values(parameters)
-        return (*self._on_loops(q, v, p, seek, turn), seek, turn)
+        return self.closed(q, v, self.values(parameters), seek, turn)
 
     def closed(self, q: Array, v: Array, p: Array, seek: Sequence[int], turn: Sequence[int]) -> Array:
         """State at time 0 for coordinates q and rates v, SI. Coordinates `seek` and rates `turn` (indices) change until the loops close.
@@ -89,10 +84,6 @@ class Model(CompiledEquations):
         Raises:
             DescriptionError: a loop does not close.
         """
-        return self.state(*self._on_loops(q, v, p, seek, turn))
-
-    def _on_loops(self, q: Array, v: Array, p: Array, seek: Sequence[int], turn: Sequence[int]) -> tuple[Array, Array]:
-        """All coordinates and rates for `closed`."""
         v = v.copy()
         q, gap, G = self._nearest(q, p, seek)
         of_rows = np.maximum(np.abs(G[:, :-1]) @ np.abs(q), np.max(np.abs(G[:, :-1]), axis=1, initial=0.0) * 1e-3)
@@ -105,11 +96,12 @@ class Model(CompiledEquations):
             v[turn] = np.linalg.lstsq(G[:, turn], -G @ np.append(v, 1.0), rcond=None)[0]
         rates = np.append(v, 1.0)
         fastest = np.max(np.abs(G) @ np.abs(rates), initial=0.0)
-        problem = "opens at the start by {left:.3g} {unit} a second; leave out the rates of the coordinates that it gives"
-        if turn and len(turn) == len([k for loop in self.system.loops for k in loop.gives]):
-            problem = "cannot move as the given rates say: {left:.3g} {unit} a second remain; in a singular position, give all coordinates"
+        problem = (
+            "opens at the start by {left:.3g} {unit} a second; leave out the rates of the coordinates that it gives, or start"
+            " beside a singular position"
+        )
         self._refuse_rows(G @ rates, np.full(len(gap), OPENS * fastest), problem)
-        return q, v
+        return self.state(q, v)
 
     def _nearest(self, q: Array, p: Array, seek: Sequence[int]) -> tuple[Array, Array, Array]:
         """Coordinates that close the loops, by Newton's method from q, and the gap and its Jacobian there."""
@@ -148,8 +140,7 @@ class Model(CompiledEquations):
     ) -> pd.DataFrame:
         """The named outputs on a uniform grid of times.
 
-        `attrs["units"]` holds their units, `attrs["singular_positions"]` the times (s) of the singular positions that the motion passed.
-        There forces of loops may have a pole: a row beside it, within a thousandth of the passage, has nan in their place.
+        `attrs["units"]` holds their units.
 
         Args:
             start: name -> coordinate or rate at time 0; see `start`.
@@ -160,66 +151,71 @@ class Model(CompiledEquations):
             parameters: name -> changed value, in the parameter's unit.
 
         Raises:
-            DescriptionError: the start is impossible, the integration gets stuck, the motion ends in a singular position, or the energy
-                balance changes; the sentence says when.
+            DescriptionError: the start is impossible, the integration gets stuck, the motion comes to a singular position, or the
+                energy balance changes; the sentence says when.
         """
-        times, p, (q, v, seek, turn) = grid(duration, step), self.values(parameters), self.placed(start, parameters)
-        y = self.state(q, v)
+        times, p, y = grid(duration, step), self.values(parameters), self.start(start, parameters)
         self.check_drives([0.0], y[None], p)
-        _, G, M = self.loops(q, p)
+        _, G, M = self.loops(y[: len(self.system.coordinates)], p)
         check_inertia(self.system, M, G[:, :-1])
-        watch = self._watch(p, tolerance)
-        departure = watch.departure(y, v, seek, turn)
-        self.check(*((departure.states[-1], p, tolerance, departure.times[-1]) if departure else (y, p, tolerance)))
-        states, passages, steps = self._integrated(
-            lambda t, y: self.rates(t, y, p), y, times, watch, tolerance, self.error_sizes(), method, p, departure
-        )
+        self.check(y, p, tolerance)
+        states, steps = self.integrate(self.rates, y, times, p, tolerance, self.error_sizes(), method)
         self.check_drives(times, states, p)
-        frame = self.observe(times, states, p, passages)
-        self.check_motion(frame, y, p, tolerance, steps, len(passages))
+        frame = self.observe(times, states, p)
+        self.check_motion(frame, y, p, tolerance, steps)
         return frame
 
     def integrate(
-        self, rates: Rates, y: Array, times: Array, p: Array, tolerance: float, sizes: Array, method: str = "DOP853", passes: bool = True
-    ) -> tuple[Array, list[Passage], int]:
-        """The states at given times, shape (times, len(y)), the passages and the number of steps.
+        self, rates: Rates, y: Array, times: Array, p: Array, tolerance: float, sizes: Array, method: str = "DOP853"
+    ) -> tuple[Array, int]:
+        """The states at given times, shape (times, len(y)), and the number of steps. Without feedback the loops are left as they are.
 
-        Errors are relative to the states and to `sizes`. The first entries of y are the state of the system. `passes`: whether to pass
-        singular positions. See `simulate`.
+        Args:
+            rates: of the integrated state, of which that of the model is the first part.
+            y: state at time 0.
+            times: s, ascending from 0.
+            p: values of the parameters, SI.
+            tolerance: local error, relative to each state and to `sizes`.
+            sizes: scale of each state's error.
+            method: a name in METHODS.
+
+        Raises:
+            DescriptionError: an unknown method or tolerance, a singular position, or no step is found; the sentence says when.
         """
-        watch = self._watch(p, tolerance, passes)
-        watch.begin(y)
-        return self._integrated(rates, y, times, watch, tolerance, sizes, method, p)
+        if method not in METHODS:
+            raise DescriptionError(f"method {method!r} is not known; take one of {', '.join(METHODS)}")
+        if not 0.0 < tolerance < 1.0:
+            raise DescriptionError(f"a tolerance of {tolerance:g} is not between 0 and 1")
+        watch, feedback = Watch(self, p, y), self.equations.feedback if self.equations.gap.numel() else 0.0
+        longest = LONGEST / feedback if feedback and method == "DOP853" else np.inf
 
-    def _watch(self, p: Array, tolerance: float, passes: bool = True) -> Watch:
-        """A watch of the loops. A passage knows accelerations that forces leave only where these act on the loops themselves."""
-        e = self.equations
-        return Watch(self, p, tolerance, passes and not (e.elsewhere and e.gap.numel() < e.q.numel()))
+        def begun(time: float, state: Array, first_step: float | None = None) -> Any:
+            accuracy: Any = {"rtol": tolerance, "atol": tolerance * sizes, "max_step": longest}
+            return METHODS[method](lambda t, y: rates(t, y, p), time, state, times[-1], first_step=first_step, **accuracy)
 
-    def _integrated(
-        self,
-        rates: Rates,
-        y: Array,
-        times: Array,
-        watch: Watch,
-        tolerance: float,
-        sizes: Array,
-        method: str,
-        p: Array,
-        departure: Passage | None = None,
-    ) -> tuple[Array, list[Passage], int]:
-        """`integrate` with a watch and a step away from the start. Without feedback the loops are left as they are."""
-        e, tables = self.equations, self.system.tables
-        ends = ", ".join(self.system.coordinates[table.index].name for table in tables)
-        cause = f" ({ends} may have left its table)" if ends else ""
-        feedback = e.feedback if e.gap.numel() and method == "DOP853" else 0.0
-        longest = LONGEST / feedback if feedback else np.inf
-        states, passages, steps = integrated(rates, y, times, tolerance, sizes, method, watch, longest, self.system.name, cause, departure)
-        if e.feedback and e.gap.numel():
-            passed = np.any([np.zeros(len(times), bool), *((times > o.since) & (times < o.times[-1]) for o in passages)], axis=0)
-            states = np.where(passed[:, None], states, self._rows_on_loops(times, states, p))  # a passage closes its own
+        states, row, steps, solver = np.tile(y, (len(times), 1)), 1, 0, begun(0.0, y)
+        while row < len(times):
+            before = solver.y
+            # where a motion ends, a step too far has rates that are no numbers
+            with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
+                message = solver.step()
+            if solver.status == "failed":
+                watch.stuck(solver.t, solver.y)
+                ends = ", ".join(self.system.coordinates[table.index].name for table in self.system.tables)
+                cause = f" ({ends} may have left its table)" if ends else ""
+                raise DescriptionError(f"the integration of {self.system.name!r} gets stuck after {solver.t:g} s{cause}: {message}")
+            if not watch.follows(solver.t, solver.y):
+                solver = begun(solver.t_old, before, 0.5 * (solver.t - solver.t_old))
+                continue
+            steps, end = steps + 1, int(np.searchsorted(times, solver.t, side="right"))
+            if end > row:  # evaluating between steps costs rates
+                there = solver.dense_output()
+                states[row:end] = [there(time) for time in times[row:end]]
+                row = end
+        if feedback:
+            states = self._rows_on_loops(times, states, p)
         self.check_slopes(times, states, p)
-        return states, passages, steps
+        return states, steps
 
     def _rows_on_loops(self, times: Array, states: Array, p: Array) -> Array:
         """States, shape (times, size of a state), put on the loops: between steps they stand off by more than the tolerance."""
@@ -237,7 +233,7 @@ class Model(CompiledEquations):
             states[:, n : 2 * n] -= np.einsum("tkl,tl->tk", inverse, opening)
         return states
 
-    def check_motion(self, frame: pd.DataFrame, y: Array, p: Array, tolerance: float, steps: int, passages: int) -> None:
+    def check_motion(self, frame: pd.DataFrame, y: Array, p: Array, tolerance: float, steps: int) -> None:
         """Raise DescriptionError if the energy balance changes by more than errors of integration explain."""
         n, size = len(self.system.coordinates), self.error_sizes()
         potential = frame["potential_energy"]
@@ -245,9 +241,10 @@ class Model(CompiledEquations):
         of_sizes = 0.5 * size[:n] @ self.loops(y[:n], p)[2] @ size[:n]
         energy = sum(float(each.abs().max()) for each in moved)
         change = (frame["energy_balance"] - frame["energy_balance"][0]).abs()
-        # local errors add up: of each step some tolerances, of a passage's nodes as much as they may be moved
-        part = MOVED * (tolerance * steps + max(MOVED * tolerance, CLEAN) * NODES * passages)
-        allowed = min(part, np.sqrt(tolerance)) * energy + tolerance * of_sizes + ROUNDING * float(potential.abs().max())
+        # local errors add up: some tolerances of each step
+        allowed = (
+            min(DRIFT * tolerance * steps, np.sqrt(tolerance)) * energy + tolerance * of_sizes + ROUNDING * float(potential.abs().max())
+        )
         if not (change <= allowed).all():
             first = int(np.argmax(~(change <= allowed)))
             raise DescriptionError(
@@ -271,47 +268,32 @@ class Model(CompiledEquations):
                 )
             last = value, distance
 
-    def check(self, y: Array, p: Array, tolerance: float = 1e-9, time: float = 0.0) -> None:
-        """Check that a state in which the integration begins determines the motion.
+    def check(self, y: Array, p: Array, tolerance: float = 1e-9) -> None:
+        """Check that the state at time 0 determines the motion.
 
         Raises:
             DescriptionError: accelerations are undetermined or lost in rounding, or a rate or an output is not finite.
         """
         q = y[: len(self.system.coordinates)]
-        G, M, free = self.jacobian(time, q, p)[:, :-1], self.loops(q, p)[2], self.equations.free
-        Watch(self, p, tolerance).begin(y)
+        (_, G, M), free = self.loops(q, p), self.equations.free
+        Watch(self, p, y)
         if len(free) < len(M):  # the matrices that the two forms solve
             given = [k for k in range(len(M)) if k not in free]
             B = np.eye(len(M))[:, free]
             B[given] = -np.linalg.solve(G[:, given], G[:, free])
             solved = B.T @ M @ B
         else:
-            solved = M + np.trace(M) / max(float(np.sum(G**2)), 1e-300) * G.T @ G
+            solved = M + np.trace(M) / max(float(np.sum(G[:, :-1] ** 2)), 1e-300) * G[:, :-1].T @ G[:, :-1]
         check_condition(self.system, solved, free, tolerance)
-        x = self.input(time, y, p)
+        x = self.input(0.0, y, p)
         names, values = [*self._rates.names, *self.equations.outputs], [*self._rates(x), *np.array(self._outputs(x)).flat]
         for name, value in zip(names, values, strict=True):
             if not np.isfinite(value):
                 raise DescriptionError(f"{name} is {value} at the start; look for a root of a negative number or a division by zero there")
 
-    def observe(self, times: Array, states: Array, p: Array, passages: Sequence[Passage] = ()) -> pd.DataFrame:
-        """The outputs of states, shape (times, size of a state), each in its unit.
-
-        During a passage they are interpolated, except those with forces of loops, which have a pole in the singular position.
-        """
-        rows, e = self._shown(times, states, p), self.equations
-        for passage in passages:
-            inside = (times > passage.since) & (times < passage.times[-1])
-            if np.any(inside):
-                smooth = [k for k, (value, _) in enumerate(e.stated.values()) if not ca.depends_on(value, e.forces)]
-                rows[np.ix_(inside, smooth)] = passage.between(self._shown(passage.times, passage.states, p)[:, smooth], times[inside])
-                lost = np.abs(times - passage.singular) < LOST * (passage.times[-1] - passage.times[0])
-                rows[np.ix_(inside & lost, [k for k in range(rows.shape[1]) if k not in smooth])] = np.nan
+    def observe(self, times: Array, states: Array, p: Array) -> pd.DataFrame:
+        """The outputs of states, shape (times, size of a state), each in its unit."""
+        rows = np.array(self._outputs(np.column_stack([self.input(t, y, p) for t, y in zip(times, states, strict=True)]))).T
         frame = pd.DataFrame(np.column_stack([times, rows]), columns=list(self.units)) / [in_si(unit)[0] for unit in self.units.values()]
         frame.attrs["units"] = self.units
-        frame.attrs["singular_positions"] = [passage.singular for passage in passages if passage.singular >= 0.0]
         return frame
-
-    def _shown(self, times: Array, states: Array, p: Array) -> Array:
-        """The outputs of states in SI, shape (times, outputs)."""
-        return np.array(self._outputs(np.column_stack([self.input(t, y, p) for t, y in zip(times, states, strict=True)]))).T

@@ -60,13 +60,13 @@ def sensitivities(
                 " leave it out, for the loops to give it"
             )
 
-    def rate(time: float, Y: NDArray[np.float64]) -> NDArray[np.float64]:
+    def rate(time: float, Y: NDArray[np.float64], p: NDArray[np.float64]) -> NDArray[np.float64]:
         return code(np.concatenate([[time], Y[:size], p, Y[size:]]))
 
     sizes = np.append(model.error_sizes(), np.full(begin.size, np.inf))
-    states, _, steps = model.integrate(rate, np.concatenate([y, begin.T.ravel()]), times, p, tolerance, sizes, passes=False)
+    states, steps = model.integrate(rate, np.concatenate([y, begin.T.ravel()]), times, p, tolerance, sizes)
     model.check_drives(times, states[:, :size], p)
-    model.check_motion(model.observe(times, states[:, :size], p), y, p, tolerance, steps, 0)
+    model.check_motion(model.observe(times, states[:, :size], p), y, p, tolerance, steps)
     every = np.vstack([times, states.T[:size], np.tile(p[:, None], len(times)), states.T[size:]])
     values = np.array(ca.Function("changes", [inputs], [ca.densify(shown)])(every)).T
     units = {f"{output} by {name}": per(unit, system.parameters[name][2]) for name in to for output, (_, unit) in e.outputs.items()}

@@ -12,7 +12,6 @@ from scipy.linalg import eigh
 
 from quickreturn.plugins.derive.compiled import Values
 from quickreturn.plugins.derive.model import Model
-from quickreturn.plugins.derive.singular import SINGULAR
 from quickreturn.plugins.derive.system import column
 from quickreturn.plugins.derive.units import DescriptionError, in_si
 
@@ -21,6 +20,8 @@ Array = NDArray[np.float64]
 AWAY: Final = 0.1
 #: Rounding of forces that cancel, over their sizes.
 ROUNDING: Final = 1e-9
+#: Smallest singular value of the loops and held coordinates, each of size 1, that counts as singular.
+SINGULAR: Final = 1e-6
 #: Largest number of Newton's steps, and so the farthest rest from a start, in sizes of a coordinate.
 STEPS: Final = 1000
 
@@ -103,7 +104,7 @@ class Statics:
         A warning says when forces would move it from there.
 
         Raises:
-            DescriptionError: the position is singular, and motions cross there; or a loop's force acts elsewhere.
+            DescriptionError: the position is singular, a loop repeats another, or a loop's force acts elsewhere.
         """
         if names := [loop.name for loop in self._model.system.loops if loop.elsewhere]:
             raise DescriptionError(
@@ -116,7 +117,7 @@ class Statics:
         force = np.asarray(np.linalg.lstsq(G[:, self._moving].T, -balance[self._moving], rcond=None)[0], dtype=np.float64)
         pushed = balance
         balance, _, G, _, M, D, K = self._at(q, force)
-        Z = self._possible(q, G)
+        Z = self._possible(G)
         self._tell_if_moving(Z, Z.T @ K @ Z, Z.T @ balance, float(np.linalg.norm(Z.T @ np.abs(pushed))))
         return Linear(Z.T @ M @ Z, Z.T @ D @ Z, 0.5 * Z.T @ (K + K.T) @ Z, Z)
 
@@ -133,32 +134,18 @@ class Statics:
                 stacklevel=4,
             )
 
-    def _possible(self, q: Array, G: Array) -> Array:
-        """The small motions that loops and held coordinates allow, as columns.
-
-        Where these lose rank, a combination of their equations begins with terms of second order: it forbids what makes them other than
-        zero. It is of one sign at a dead point. Of both signs, it leaves motions that cross. A loop that repeats another has no such terms.
-        """
-        n, sizes = len(q), np.array([c.size for c in self._model.system.coordinates])
+    def _possible(self, G: Array) -> Array:
+        """The small motions that loops and held coordinates allow, as columns."""
+        n, sizes = len(self._names), np.array([c.size for c in self._model.system.coordinates])
         A = np.vstack([G, np.eye(n)[self._held]]) * sizes
-        norms = np.linalg.norm(A, axis=1)
-        norms[norms == 0.0] = 1.0
-        left, singular, right = np.linalg.svd(A / norms[:, None])
-        rank = int(np.sum(singular > SINGULAR))
-        directions, square = right[rank:].T, np.outer(sizes, sizes)
-        still = self._at(q, np.zeros(len(G)))[-1]
-        force = max(1.0, float(np.linalg.norm(still * square)))  # so large that rounding of the stiffness counts as nothing
-        for combination in left[:, rank:].T:
-            curvature = still - self._at(q, force * combination[: len(G)] / norms[: len(G)])[-1]
-            values, vectors = np.linalg.eigh(directions.T @ (square * (curvature + curvature.T)) @ directions)
-            forbids = np.abs(values) > SINGULAR * force
-            if len({*np.sign(values[forbids])}) > 1:
-                raise DescriptionError(
-                    f"small motions of {self._model.system.name!r} are not determined: the position is singular, and motions cross there;"
-                    " give a position beside it"
-                )
-            directions = directions @ vectors[:, ~forbids]
-        return np.asarray(sizes[:, None] * directions)
+        norms = np.linalg.norm(A, axis=1, keepdims=True)
+        _, singular, right = np.linalg.svd(A / np.where(norms > 0.0, norms, 1.0))
+        if len(A) > n or np.min(singular, initial=1.0) < SINGULAR:
+            raise DescriptionError(
+                f"small motions of {self._model.system.name!r} are not determined: the position is singular, or a loop or a held coordinate"
+                " repeats another; give a position beside it, or leave out what repeats"
+            )
+        return np.asarray(sizes[:, None] * right[len(A) :].T)
 
     def _at(self, q: Array, force: Array) -> list[Array]:
         """Balance, gaps, G, C, M, D and K."""

@@ -166,16 +166,14 @@ def slider_crank(rows: int, shapes: int = 8) -> Columns:
 
 
 def double_four_bar(rows: int) -> Columns:
-    """Five equal rods; all of them are in line now and then."""
+    """Five equal rods. All arms have one angle: so the loops stay closed where all rods are in line, too."""
     system, c = _system("double four-bar", FOUR_BAR, falls=True)
-    pivots = [vector(k * c.length, 0) for k in range(3)]
-    arms = [system.coordinate(f"arm_{k}", "rad", guess=np.pi / 2) for k in range(3)]
-    couplers = [system.coordinate(f"coupler_{k}", "rad") for k in range(2)]
-    tips = [pivot + turned(arm, c.length) for pivot, arm in zip(pivots, arms, strict=True)]
-    for name, begin, angle in zip(("arm 0", "arm 1", "arm 2", "coupler 0", "coupler 1"), pivots + tips[:2], arms + couplers, strict=True):
-        system.body(name, c.rod, begin + turned(angle, c.length / 2), c.rod * c.length**2 / 12, angle)
-    for k, coupler in enumerate(couplers):
-        system.loop(f"loop {k}", tips[k] + turned(coupler, c.length) - tips[k + 1], gives=[coupler, arms[k + 1]])
-    _outputs(system, "m", tip_x=tips[0][0], tip_y=tips[0][1])
-    _outputs(system, "m/s", tip_vx=system.rate(tips[0][0]), tip_vy=system.rate(tips[0][1]))
-    return _moved(system, {"arm_0": np.pi / 2, "arm_0_rate": FOUR_BAR.rate}, FOUR_BAR.duration, rows, 1e-10)
+    arm, inertia = system.coordinate("arm", "rad", guess=np.pi / 2), c.rod * c.length**2 / 12
+    tip = turned(arm, c.length)
+    for k in range(3):
+        system.body(f"arm {k}", c.rod, vector(k * c.length, 0) + tip / 2, inertia, arm)
+    for k in range(2):
+        system.body(f"coupler {k}", c.rod, vector((k + 0.5) * c.length, 0) + tip)
+    _outputs(system, "m", tip_x=tip[0], tip_y=tip[1])
+    _outputs(system, "m/s", tip_vx=system.rate(tip[0]), tip_vy=system.rate(tip[1]))
+    return _moved(system, {"arm": np.pi / 2, "arm_rate": FOUR_BAR.rate}, FOUR_BAR.duration, rows, 1e-12)

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -38,14 +37,6 @@ def as_built() -> Iterator[Any]:
         monkeypatch.syspath_prepend(str(ROOT / "examples"))
         yield importlib.import_module("as_built")
     del sys.modules["as_built"]
-
-
-def test_the_frequency_and_damping_of_a_known_ring_are_found(as_built: Any) -> None:
-    t = 1e-3 * np.arange(1000)
-    signal = 2.0 + np.exp(-0.02 * 2.0 * np.pi * 18.0 * t) * np.cos(2.0 * np.pi * 18.0 * t) + 0.2 * np.cos(2.0 * np.pi * 71.0 * t)
-    frequency, damping = as_built.ring(signal, 1e-3)
-    assert frequency == pytest.approx(18.0, rel=2e-3)
-    assert damping == pytest.approx(0.02, rel=0.05)
 
 
 def test_the_defaults_lose_the_machine_and_a_stiff_contact_keeps_it(as_built: Any) -> None:

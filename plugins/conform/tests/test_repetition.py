@@ -9,7 +9,7 @@ import pytest
 from quickreturn.engines.own.reference import ReferenceEngine
 from quickreturn.plugins.conform.bench import Bench
 from quickreturn.plugins.conform.contract import ALONE, IN_TURN, PARTS, Results, columns_of, conform, elsewhere, repetition
-from quickreturn.plugins.conform.tests.mutants import BuiltForAFollower, Keeps, KeepsCrank, KeepsFollower, KeepsTip, Threaded
+from quickreturn.plugins.conform.tests.keepers import BuiltForAFollower, Keeps, KeepsCrank, KeepsFollower, KeepsTip, Threaded
 
 Elsewhere = tuple[Results, Results] | str
 

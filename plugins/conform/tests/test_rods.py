@@ -12,7 +12,6 @@ from quickreturn.engines.base import AnyEngine, Refusal, Simulation
 from quickreturn.engines.exudyn.engine import ExudynEngine
 from quickreturn.engines.mujoco.engine import MujocoEngine
 from quickreturn.engines.own.reference import ReferenceEngine
-from quickreturn.engines.registry import engine
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.plugins.conform.bench import Bench, Check, Fault
 from quickreturn.plugins.conform.contract import conform
@@ -28,7 +27,7 @@ from quickreturn.plugins.conform.tests.rod_engines import (
     mistaken,
     of_elements,
 )
-from quickreturn.reference_model.mechanism import FollowerAlone, Scene
+from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.natural_modes import clamped_modes
 
 
@@ -69,22 +68,6 @@ def test_a_chain_for_small_deflections_is_right_in_them_and_wrong_beyond() -> No
     assert {check.status for name, check in found.items() if name != BEYOND} == {"passed"}
 
 
-class Level(LinearRod):
-    """It deflects nowhere without damping."""
-
-    def prepare(self, scene: FollowerAlone, start: Any, settings: Links, /) -> Simulation:
-        moves = super().prepare(scene, start, settings)
-        if scene.follower.damping == scene.follower.material_damping == 0.0:
-            moves.rest, moves.state = 0.0 * moves.rest, 0.0 * moves.state  # type: ignore[attr-defined]
-        return moves
-
-
-def test_a_rod_that_does_not_sag_is_no_error_of_the_check() -> None:
-    found = tried(Level())
-    assert failed(found) == {"rod: sags and frequencies"}
-    assert "no vibration" in found["rod: sags and frequencies"].cause
-
-
 @pytest.mark.parametrize("pieces", [2, *(pytest.param(count, marks=pytest.mark.verify) for count in (4, 16))])
 def test_a_rod_of_few_accurate_pieces_is_not_accused(pieces: int) -> None:
     """Differences of three of its points are no strains: with two elements 0.56 of the closed form near the clamp."""
@@ -98,10 +81,6 @@ def test_a_rod_is_read_from_less_than_one_vibration() -> None:
     assert f"sag under its weight {0.3**-4:.4g}" in cause
     assert f"sag by a force at its end {0.3**-3:.4g}" in cause
     assert float(cause.split("first frequency ")[1].split(",")[0]) == pytest.approx(0.09, rel=1e-3)
-
-
-def test_a_rod_that_does_not_come_back_is_wrong() -> None:
-    assert failed(tried(of_elements(ElementsOfOneMetre, (16, 1e-3), (32, 1e-4)))) == {"rod: sags and frequencies"}
 
 
 def test_reference_as_a_rod_is_not_accused() -> None:
@@ -124,11 +103,6 @@ def test_whatever_groups_are_asked_for_a_rod_is_judged(options: Any) -> None:
     assert found.conforms is False
 
 
-@pytest.mark.parametrize("name", ["reference", "mujoco", "thesis", "multiplier"])
-def test_an_engine_with_a_mechanism_is_tried_with_it(name: str) -> None:
-    assert Bench(engine(name)).scene.crank is not None
-
-
 def test_an_engine_that_refuses_everything_is_not_judged() -> None:
     class Nothing(ReferenceEngine):
         def check(self, scene: Scene) -> None:
@@ -141,10 +115,7 @@ def test_an_engine_that_refuses_everything_is_not_judged() -> None:
 WRONG: dict[str, tuple[str, Callable[[np.ndarray], np.ndarray], str]] = {
     "an accelerometer's reading": ("tip_acceleration", lambda a: a + 9.81, "too large on average"),
     "acceleration with the wrong sign": ("tip_acceleration", lambda a: -a, "-1 times"),
-    "acceleration in mm/s^2": ("tip_acceleration", lambda a: 1e3 * a, "tip_acceleration is"),
-    "no acceleration": ("tip_acceleration", lambda a: 0.0 * a, "0 times"),
     "an end that stands still": ("tip_deflection", lambda w: 0.0 * w, "0 times"),
-    "strain with the wrong sign": ("strain_2", lambda e: -e, ", -1."),
     "curvature for strain": ("strain_1", lambda e: e / CLAMPED.follower.extreme_fibre, "669."),
     "double thickness": ("strain_3", lambda e: 2.0 * e, "times the closed form"),
 }

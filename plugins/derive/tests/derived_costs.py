@@ -1,8 +1,6 @@
 """The table of docs/methods.md, "By hand and by computer": `taskset -c 0 python -m quickreturn.plugins.derive.tests.derived_costs`."""
 
-import io
 import time
-import tokenize
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -21,24 +19,10 @@ from quickreturn.reference_model.joint import CLOSED
 from quickreturn.reference_model.model import BeamModel
 from tests.engines.scenes import run_24
 from tests.reference_model.motion.beam_states import rates
+from tests.test_structure import lines_of_code
 
 EVALUATIONS = 300
 REPETITIONS = 15
-
-
-def lines_of_code(paths: Sequence[Path]) -> int:
-    """Lines that hold code: no blank lines, comments and docstrings."""
-    count = 0
-    for path in paths:
-        tokens, held = list(tokenize.generate_tokens(io.StringIO(path.read_text()).readline)), set()
-        ignored = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
-        begins = True
-        for token in tokens:
-            if token.type not in ignored and not (token.type == tokenize.STRING and begins):
-                held.update(range(token.start[0], token.end[0] + 1))
-            begins = token.type in {tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.NL, tokenize.COMMENT}
-        count += len(held)
-    return count
 
 
 def fastest(calls: Sequence[Callable[[], Any]]) -> list[float]:
@@ -56,8 +40,12 @@ def fastest(calls: Sequence[Callable[[], Any]]) -> list[float]:
 def main() -> None:
     """Print lines, processor time to derive and compile, times of an evaluation, and the largest difference of a term."""
     (written,), (kit,), (described,) = (list(package.__path__) for package in (motion, derive, witness))
-    print("lines of code: by hand", lines_of_code(sorted(Path(written).glob("*.py"))))
-    print("description", lines_of_code([Path(described) / "description.py"]), "kit", lines_of_code(sorted(Path(kit).glob("*.py"))))
+    files = {
+        "by hand": [*Path(written).glob("*.py")],
+        "description": [Path(described) / "description.py"],
+        "kit": [*Path(kit).glob("*.py")],
+    }
+    print("lines of code:", {name: sum(lines_of_code(each.read_text("utf-8")) for each in paths) for name, paths in files.items()})
     for modes in (1, 2, 5, 7, 11):
         scene = run_24()
         hand = BeamModel.following(scene, modes)

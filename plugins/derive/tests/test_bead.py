@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from quickreturn.derive import Model, latex, natural_frequencies
+from quickreturn.derive import Model, natural_frequencies
 from quickreturn.plugins.derive.statics import Statics
 from quickreturn.plugins.derive.tests.descriptions import described
 
@@ -46,10 +46,3 @@ def test_on_a_pendulum_energy_stays_and_equilibrium_and_frequencies_have_closed_
     expected = np.sqrt([swinging, stiffness / bead]) / (2 * np.pi)
     np.testing.assert_allclose(natural_frequencies(model, rest), np.sort(expected), rtol=1e-12)
     np.testing.assert_allclose(natural_frequencies(model, rest, hold=["theta"]), expected[1:], rtol=1e-12)
-
-
-def test_the_equations_of_a_small_system_read_as_in_a_book() -> None:
-    assert latex(BEAD.bead_on_rod()).splitlines() == [
-        r"\ddot{\theta} \left(\mathrm{bead~mass} r^{2} + \mathrm{rod~inertia}\right) &= - 2 \dot{\theta} \dot{r} \mathrm{bead~mass} r \\",
-        r"\ddot{r} \mathrm{bead~mass} &= \dot{\theta}^{2} \mathrm{bead~mass} r",
-    ]

@@ -67,12 +67,10 @@ def scalar_gravity(s: System, p: Any, a: Any) -> None:
 #: What a sentence says -> the mistake, made in a system with a crank's angle.
 MISTAKES: dict[str, Callable[[System, Any, Any], Any]] = {
     "the place of 'weight' is not in m": lambda s, p, a: s.body("weight", p.mass, turned(a, p.length) + vector(p.mass, 0)),
-    "or for a plain number": lambda s, p, a: s.body("weight", 2.0, vector(p.length, 0)),
     "the energy of 'hair spring' is not in J": lambda s, p, a: s.spring("hair spring", a, p.stiffness),
     "the load 'motor' times what it acts on is not in J": lambda s, p, a: s.load("motor", a, p.stiffness),
     "damper 'oil' times the square of what it acts on is not in J*s": lambda s, p, a: s.damper("oil", a, p.stiffness),
     "the output 'tip_speed' is not in m/s": lambda s, p, a: s.output("tip_speed", p.length * a, "m/s"),
-    "the energy of 'well' is not in J": lambda s, p, a: s.energy("well", p.stiffness * p.length**2 * ca.exp(p.length)),
     "'along' of 'crank' has no inertia": lambda s, p, a: s.spring("spring", idle(s)[0], p.stiffness),
     "of 'crank' has no inertia, and no loop holds it": lambda s, p, a: s.body("both", p.mass, vector(sum(idle(s)), 0)),
     "the inertia of 'ball' depends on a coordinate": lambda s, p, a: s.body("ball", inertia=p.mass * s.coordinate("r", "m") ** 2, angle=a),
@@ -84,21 +82,16 @@ MISTAKES: dict[str, Callable[[System, Any, Any], Any]] = {
     "rate of angle_rate is nan at the start": lambda s, p, a: s.energy("well", p.stiffness * p.length**2 * ca.sqrt(a - 1)),
     "depth is nan at the start": lambda s, p, a: s.output("depth", p.length * ca.log(a - 1), "m"),
     "'length' is used twice in 'crank'": lambda s, p, a: s.coordinate("length", "m"),
-    "'work' is used twice in 'crank'": lambda s, p, a: s.output("work", p.stiffness * p.length**2, "J"),
     "is no coordinate of 'crank'": lambda s, p, a: s.freeze(2 * a),
     "unit 'lenth' is not known": lambda s, p, a: s.constants(width=(3, "lenth")),
     "unit 'ampere' is not mechanical": lambda s, p, a: s.constants(current=(3, "ampere")),
     # where CasADi would broadcast, drop or misread an argument
     "constant 'height' of 'crank' is 3": lambda s, p, a: s.constants(height=3),  # type: ignore[arg-type]
-    "constant 'height' of 'crank' is (nan, 'm')": lambda s, p, a: s.constants(height=(np.nan, "m")),
-    "constant 'height' of 'crank' is ('3', 'm')": lambda s, p, a: s.constants(height=("3", "m")),  # type: ignore[arg-type]
     "a finite guess, not 0 and 0.0": lambda s, p, a: s.coordinate("x", "m", size=0),
-    "a finite guess, not 1.0 and nan": lambda s, p, a: s.coordinate("x", "m", guess=np.nan),
     "-1 amplitudes 'x' of 'crank' cannot be": lambda s, p, a: s.amplitudes("x", -1, "m"),
     "body 'rod' of 'crank' has mass but no place": lambda s, p, a: s.body("rod", p.mass),
     "body 'rod' of 'crank' has inertia but no angle": lambda s, p, a: s.body("rod", p.mass, turned(a, p.length), p.mass * p.length**2),
     "the place of 'rod' of 'crank' has 1 component": lambda s, p, a: s.body("rod", p.mass, p.length),
-    "the place of 'rod' of 'crank' is a tuple": lambda s, p, a: s.body("rod", p.mass, (a, 0)),
     "the load 'wind' of 'crank' has 1 component": lambda s, p, a: s.load("wind", turned(a, p.length), p.stiffness * p.length),
     "the energy of 'well' of 'crank' has 2 components": lambda s, p, a: s.energy("well", p.stiffness * p.length**2 * vector(1, 1)),
     "the output 'tip' of 'crank' has 2 components": lambda s, p, a: s.output("tip", turned(a, p.length), "m"),
@@ -113,7 +106,6 @@ MISTAKES: dict[str, Callable[[System, Any, Any], Any]] = {
     "has an axial stiffness but does not stretch": lambda s, p, a: beam(s, p, axial_stiffness=p.stiffness * p.length),
     "beam 'arm' needs two or more edges": lambda s, p, a: beam(s, p, points=0),
     "2 shapes between 'clamped-fre' cannot be": lambda s, p, a: natural_shapes("clamped-fre", 2),
-    "2 shapes between 'clamped' cannot be": lambda s, p, a: natural_shapes("clamped", 2),
 }
 
 
@@ -128,11 +120,6 @@ def test_a_mistake_is_named_in_one_sentence(words: str) -> None:
         described_and_moved()
     assert words in str(raised.value)
     assert "\n" not in str(raised.value)
-
-
-def test_without_a_mistake_the_crank_turns() -> None:
-    system, _, _ = crank()
-    assert Model(system).simulate({"angle_rate": 2.0}, 0.1, 0.1)["angle"].iloc[-1] == pytest.approx(0.2, rel=1e-9)
 
 
 def test_units_are_no_mistake_where_terms_cancel() -> None:
@@ -152,8 +139,6 @@ def test_unknown_names_are_listed() -> None:
         model.simulate({"agle": 1.0}, 0.1, 0.1)
     with pytest.raises(DescriptionError, match=r"'lenght' is no parameter of 'crank'; there are length, mass, stiffness"):
         model.simulate({}, 0.1, 0.1, parameters={"lenght": 1.0})
-    with pytest.raises(DescriptionError, match=r"'lenght' is no parameter of 'crank'"):
-        sensitivities(model, ["lenght"], {}, 0.1, 0.1)
     with pytest.raises(DescriptionError, match=r"'x' is no coordinate of 'crank'"):
         natural_frequencies(model, {}, hold=["x"])
 
@@ -167,12 +152,7 @@ def negative(system: System) -> None:
     ("change", "arguments", "sentence"),
     [
         (None, {"start": {"angle": np.nan}}, "coordinate or rate 'angle' of 'crank' is nan, which is no finite number"),
-        (None, {"start": {"angle": "30 deg"}}, "coordinate or rate 'angle' of 'crank' is '30 deg', which is no finite number"),
-        (None, {"parameters": {"mass": np.inf}}, "parameter 'mass' of 'crank' is inf, which is no finite number"),
         (None, {"step": 0.0}, "a duration of 0.1 s cannot have rows 0 s apart"),
-        (None, {"step": 0.2}, "a duration of 0.1 s cannot have rows 0.2 s apart"),
-        (None, {"duration": "1 s"}, "the duration '1 s' and the step 0.1 must be numbers, in s"),
-        (None, {"duration": -0.1}, "a duration of -0.1 s cannot have rows 0.1 s apart"),
         (None, {"tolerance": 0.0}, "a tolerance of 0 is not between 0 and 1"),
         (negative, {}, "the inertia of 'angle' of 'crank' is negative; a mass or an inertia has the wrong sign"),
     ],
@@ -202,9 +182,10 @@ def test_an_equilibrium_that_is_not_there() -> None:
 
 
 def test_a_system_too_large_for_latex_or_without_sensitivities() -> None:
+    system = described("four_bar").four_bar(1)
     with pytest.raises(DescriptionError, match="instructions; LaTeX is for"):
-        latex(described("spin_up").spin_up())
-    model = Model(described("four_bar").four_bar(1), "multipliers")
+        latex(system)
+    model = Model(system, "multipliers")
     with pytest.raises(DescriptionError, match="need the form 'projection'"):
         sensitivities(model, ["crank"], {}, 0.1, 0.1)
 

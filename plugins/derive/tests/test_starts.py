@@ -63,42 +63,17 @@ def test_a_generated_cantilever_stays_in_its_equilibrium(family: Callable[[int],
     np.testing.assert_allclose(found["tip_y"], rest.outputs["tip_y"], rtol=1e-7)
 
 
-def test_forces_of_loops_at_rest_are_outputs() -> None:
-    system = System("hook")
-    p = system.constants(mass=(2.0, "kg"))
-    y = system.coordinate("y", "m")
-    system.gravity = vector(0, -9.81)
-    system.body("weight", p.mass, vector(0, y))
-    system.loop("hook", y, gives=[y])
-    rest = Statics(Model(system)).equilibrium({})
-    assert rest.outputs["hook_force"] == pytest.approx(2.0 * 9.81)
-    assert dict(rest) == {"y": 0.0}
-
-
-@pytest.mark.parametrize("seed", [0, *(pytest.param(k, marks=pytest.mark.verify) for k in range(1, 6))])
-def test_a_four_bar_closes_in_the_way_that_its_guess_is_near(seed: int) -> None:
+def test_a_four_bar_closes_in_the_way_that_its_guess_is_near() -> None:
     """It closes in two ways at a crank angle."""
-    random = np.random.default_rng(seed)
-    model = Model(four_bar((1.0, 0.4, 0.9, 0.8), (1.0, 2.0, 1.5)))
-    pin = 0.4 * np.exp(0.5j)
+    model, pin = Model(four_bar((1.0, 0.4, 0.9, 0.8), (1.0, 2.0, 1.5))), 0.4 * np.exp(0.5j)
     chord, c = 1.0 - pin, abs(1.0 - pin)
     along = (0.9**2 - 0.8**2 + c**2) / (2.0 * c)
-    joints = [pin + chord / c * (along + side * 1j * np.sqrt(0.9**2 - along**2)) for side in (1, -1)]
-    both = np.array([[np.angle(joint - pin), np.angle(joint - 1.0)] for joint in joints])
-    far, near = random.uniform(-2.0, 2.0, (10, 2)), both + random.uniform(-0.3, 0.3, (2, 2))
-    closed = 0
-    for k, guess in enumerate([*near, *far]):
-        model.system.coordinates[1:] = [c._replace(guess=g) for c, g in zip(model.system.coordinates[1:], guess, strict=True)]
-        try:
-            found = model.start({"crank": 0.5})[1:3]
-        except DescriptionError:  # Newton's method may end in no way from a far guess
-            assert k > 1
-            continue
-        away = np.max(np.abs(np.exp(1j * found) - np.exp(1j * both)), axis=1)
-        assert away.min() < 1e-9
-        assert k > 1 or away.argmin() == k
-        closed += 1
-    assert closed > 10
+    for side in (1, -1):
+        joint = pin + chord / c * (along + side * 1j * np.sqrt(0.9**2 - along**2))
+        right = np.array([np.angle(joint - pin), np.angle(joint - 1.0)])
+        for guess in right + np.random.default_rng(0).uniform(-0.3, 0.3, (5, 2)):
+            model.system.coordinates[1:] = [c._replace(guess=g) for c, g in zip(model.system.coordinates[1:], guess, strict=True)]
+            np.testing.assert_allclose(np.exp(1j * model.start({"crank": 0.5})[1:3]), np.exp(1j * right), atol=1e-9)
 
 
 def test_an_unstable_equilibrium_has_a_frequency_below_zero() -> None:

@@ -9,9 +9,8 @@ import pytest
 
 import quickreturn as qr
 from quickreturn.cases.files.errors import CaseError
-from quickreturn.cases.motion.orbit import begins_in_orbit
 from quickreturn.command_line import main
-from quickreturn.engines.registry import UnknownEngine, engine
+from quickreturn.engines.registry import UnknownEngine
 from quickreturn.plugins.fmu.tests.build import Make
 from quickreturn.plugins.studies.uncertainty.study import study_of
 
@@ -24,23 +23,6 @@ samples = 8
 "crank.length" = "uniform 100 mm .. 110 mm"
 """
 HANGS = ("mode = 0", "mode = 1")
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (("resonance", "case.toml"), "No such option: --engine (resonance follows the motion with reference alone); see"),
-        (("calibrate", "case.toml", "my.csv"), "No such option: --engine (calibrate computes with reference alone); see"),
-        (("advise", "case.toml"), "No such option: --engine (advise simulates nothing); see"),
-        (("show", "case.toml"), "No such option: --engine (show tells what each installed engine builds); see"),
-    ],
-)
-def test_what_has_no_place_for_an_fmu_says_why(
-    make_plain: Make, capfd: pytest.CaptureFixture[str], arguments: tuple[str, ...], words: str
-) -> None:
-    command, *rest = arguments
-    assert main([command, *rest, "--engine", make_plain()]) == 2
-    assert capfd.readouterr().err.splitlines()[-1].startswith(f"quickreturn: {words}")
 
 
 def test_python_takes_the_path_of_the_file_from_any_folder(make_plain: Make, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -74,10 +56,6 @@ def test_a_study_names_its_engine_from_its_folder(make_plain: Make, monkeypatch:
     Path("deeper").mkdir()
     monkeypatch.chdir("deeper")
     assert study_of("../study.toml")["engine"] == "../my.toml"
-
-
-def test_an_fmu_begins_in_no_periodic_state(make_plain: Make) -> None:
-    assert not begins_in_orbit(engine(make_plain()))
 
 
 def test_files_of_engines_have_the_name_without_its_folder(make_plain: Make, capfd: pytest.CaptureFixture[str]) -> None:

@@ -56,7 +56,6 @@ def test_a_follower_alone_in_an_fmu_of_fmi_3_bends_as_reference_says(make: Make)
     ("changes", "words"),
     [
         ({"base.damping": 0.1}, "base.damping: 0.1 N*m*s/rad is not modelled by engine my.toml"),
-        ({"crank.prescribed_speed": 12.0}, "crank.prescribed_speed: 12.0 rad/s is not modelled"),
         ({"mechanism.gravity": (0.0, -9.81)}, "mechanism.gravity: (0.0, -9.81) m/s^2 is not modelled"),
         ({"follower.bending_stiffness": np.inf}, "follower.bending_stiffness: inf cannot be given to the FMU"),
     ],
@@ -105,21 +104,16 @@ def test_each_engine_of_the_two_refuses_the_scene_of_the_other(make: Make) -> No
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ('fmu = "machine.fmu"', "", 'my.toml: fmu: "" is no file; give the path of the FMU'),
         ("machine.fmu", "machina.fmu", 'my.toml: fmu: "machina.fmu" is no file'),
         ("crank.mass =", "crank.mas =", 'my.toml: parameters.crank.mas: "m1" is unknown; the nearest known one is parameters.crank.mass'),
         ('"m1"', '"m7"', 'my.toml: parameters.crank.mass: "m7" is no variable of the FMU; the nearest one is m1'),
-        ('"m1"', '"F"', 'my.toml: parameters.crank.mass: "F" is output, continuous, Real in the FMU; a single real number'),
         ("r [mm]", "r [kg]", 'my.toml: parameters.crank.length: "kg" is a mass (kg), but a length is needed'),
-        ("phi [deg]", "phi [degz]", 'my.toml: outputs.crank_angle: "degz" has the unknown unit "degz"'),
         ('slider_force = "F"', "", "my.toml: outputs.slider_force: is missing; name the variable of the FMU with normal force"),
         ('["g1", "g2", "g3"]', '["g1", "g2"]', 'my.toml: parameters.follower.strain_gauges: ["g1", "g2"] has 2 of 3; the value of'),
         ('"0.5 ms", ', '"2 ms", ', 'my.toml: resolution.steps: ["1 ms", "2 ms", "0.25 ms"] is not accepted; write communication steps'),
-        ('["1 ms", "0.5 ms", "0.25 ms"]', "[1, 2]", "my.toml: resolution.steps: [1, 2] is not accepted"),
         ('"c1"', '"m1"', 'parameters.crank.center_of_mass: "m1" is given by parameters.crank.mass already'),
         ("[outputs]", "[set]\nEI = 5.0\n[outputs]", 'set.EI: "EI" is given by parameters.follower.bending_stiffness already'),
         ("follower.extreme_fibre", "follower.thickness", '"e" is unknown; parameters.follower.extreme_fibre stands for it'),
-        ("[outputs]", "[outptus]", "my.toml: outptus: is unknown; the nearest known one is outputs"),
         ("[outputs]", '[fixed]\nbase.damping = "1 kg"\n[outputs]', 'my.toml: fixed.base.damping: "1 kg" is a mass (kg), but'),
     ],
 )  # fmt: skip
@@ -131,23 +125,14 @@ def test_a_mistake_in_the_file_is_told_with_its_place_and_what_is_accepted(make:
 @pytest.mark.parametrize(
     ("spoil", "words"),
     [
-        (
-            lambda: rewritten(lambda name, content: (name.replace("linux64", "darwin64"), content)),
-            "machine.fmu has no library for linux64",
-        ),
+        (lambda: rewritten(lambda name, content: (name.replace("linux64", "darwin64"), content)), "machine.fmu has no library for linux64"),
         (lambda: Path("machine.fmu").write_bytes(b"PK nonsense"), "machine.fmu is no FMU with a description that can be read (BadZipFile"),
-        (
-            lambda: rewritten(lambda name, content: (name, b"<" if name == "modelDescription.xml" else content)),
-            "machine.fmu is no FMU with a description that can be read",
-        ),
     ],
 )
 def test_an_fmu_that_cannot_be_used_here_is_refused(make: Make, spoil: Callable[[], None], words: str) -> None:
     spoil()
     with pytest.raises(Refusal, match=re.escape(words)):
         usable_engine(make())
-    with pytest.raises(Refusal, match=re.escape(words)):
-        engine(make()).check(BASE)
 
 
 @pytest.mark.parametrize(

@@ -76,6 +76,7 @@ EQUIVALENT: Mapping[tuple[str, str], str] = {
     ("_push_tip", "-math.sqrt(dot(velocity, velocity)) + STILL * p.slide_speed"): "the friction over the speed is even in the speed",
     ("_push_tip", "math.sqrt(dot(velocity, velocity)) - STILL * p.slide_speed"): _AT_REST,
     ("_push_tip", "STILL / p.slide_speed"): _AT_REST,
+    ("_recover", "1.5"): "beyond any place before the follower's beginning is all of it",
     ("", "-(0.25 * math.pi)"): _DOUBLED,
     ("", "0.25 / math.pi"): _DOUBLED,
     ("", "0.375"): "the series is still good to 1e-14",

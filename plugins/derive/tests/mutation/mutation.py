@@ -93,7 +93,7 @@ class _Marker(ast.NodeTransformer):
         value = self.visit(node.func.value)
         if self._site(node, value):
             return value
-        return ast.Call(ast.Attribute(self._probed(value) if self.probe is not None else value, "conjugate", ast.Load()), [], [])
+        return ast.Call(ast.Attribute(self._seen(value), "conjugate", ast.Load()), [], [])
 
     def visit_Assign(self, node: ast.Assign) -> ast.AST:
         if self._controls_iteration(node.targets[0]):
@@ -115,8 +115,7 @@ class _Marker(ast.NodeTransformer):
         flipped = ast.AugAssign(node.target, ast.Sub() if isinstance(node.op, ast.Add) else ast.Add(), node.value)
         if self._site(node, flipped):
             return flipped
-        if self.probe is not None:
-            node.value = self._probed(node.value)
+        node.value = self._seen(node.value)
         return node
 
     def visit_BinOp(self, node: ast.BinOp) -> ast.AST:
@@ -125,8 +124,7 @@ class _Marker(ast.NodeTransformer):
             quotient = ast.BinOp(node.left, ast.Div(), node.right)
             if self._site(node, quotient):
                 return quotient
-            if self.probe is not None:
-                node.right = self._probed(node.right)
+            node.right = self._seen(node.right)
         if not isinstance(node.op, (ast.Add, ast.Sub)):
             return node
         left_is_sum = isinstance(node.left, ast.BinOp) and isinstance(node.left.op, (ast.Add, ast.Sub))
@@ -135,13 +133,11 @@ class _Marker(ast.NodeTransformer):
             flipped_left = ast.BinOp(ast.UnaryOp(ast.USub(), node.left), node.op, node.right)
             if self._site(node, flipped_left):
                 return flipped_left
-            if self.probe is not None:
-                node.left = self._probed(node.left)
+            node.left = self._seen(node.left)
         flipped = ast.BinOp(node.left, ast.Sub() if isinstance(node.op, ast.Add) else ast.Add(), node.right)
         if self._site(node, flipped):
             return flipped
-        if self.probe is not None:
-            node.right = self._probed(node.right)
+        node.right = self._seen(node.right)
         return node
 
     def visit_Constant(self, node: ast.Constant) -> ast.AST:
@@ -150,7 +146,7 @@ class _Marker(ast.NodeTransformer):
         changed = ast.Constant(1.5 * node.value)
         if self._site(node, changed):
             return changed
-        return self._probed(node) if self.probe is not None else node
+        return self._seen(node)
 
     def visit_UnaryOp(self, node: ast.UnaryOp) -> ast.AST:
         operand = self.visit(node.operand)
@@ -158,7 +154,7 @@ class _Marker(ast.NodeTransformer):
             return ast.UnaryOp(node.op, operand)
         if self._site(node, operand):
             return operand
-        return ast.UnaryOp(node.op, self._probed(operand) if self.probe is not None else operand)
+        return ast.UnaryOp(node.op, self._seen(operand))
 
     def _term(self, value: ast.expr) -> ast.expr:
         """An assigned or returned value; a tuple's elements each."""
@@ -170,8 +166,7 @@ class _Marker(ast.NodeTransformer):
             flipped = ast.UnaryOp(ast.USub(), visited)
             if self._site(value, flipped):
                 return flipped
-            if self.probe is not None:
-                return self._probed(visited)
+            return self._seen(visited)
         return visited
 
     def _controls_iteration(self, target: ast.expr) -> bool:
@@ -183,7 +178,10 @@ class _Marker(ast.NodeTransformer):
         self.sites.append((self.function, node.lineno, text))
         return len(self.sites) - 1 == self.flip
 
-    def _probed(self, value: Any) -> ast.expr:
+    def _seen(self, value: Any) -> Any:
+        """A term, in a probe of the last site if terms are probed."""
+        if self.probe is None:
+            return value
         place = [ast.Constant(self.probe), ast.Constant(len(self.sites) - 1)]
         return ast.Call(ast.Name(PROBE, ast.Load()), [*place, value], [])
 

@@ -5,9 +5,6 @@ import pytest
 from quickreturn.plugins.derive.tests.mutation.mutants import HUNTS
 from quickreturn.plugins.derive.tests.mutation.mutation import Hunt, original
 
-#: The quick tests take one site in so many.
-APART = 16
-
 pytestmark = pytest.mark.parametrize("hunt", HUNTS.values(), ids=list(HUNTS))
 
 
@@ -23,13 +20,8 @@ def test_every_term_is_evaluated(hunt: Hunt) -> None:
 
 
 @pytest.mark.verify
-def test_mutants_all_over_the_source_are_caught(hunt: Hunt) -> None:
-    assert len(hunt.sites[0]) > hunt.least
-    assert hunt.survivors(hunt.sites[0][::APART]) == []
-
-
-@pytest.mark.verify
 def test_every_mutant_is_caught(hunt: Hunt) -> None:
+    assert len(hunt.sites[0]) > hunt.least
     assert hunt.survivors(hunt.sites[0]) == []
 
 

@@ -64,9 +64,7 @@ class DerivedThesis:
         results = {
             "normal_forces": (
                 column(
-                    ca.dot(turned(beam.angle, 1, 0), beyond(0) + slider),
-                    ca.dot(turned(turn, 1, 0), tool - of_tip),
-                    ca.dot(tangent, slider),
+                    ca.dot(turned(beam.angle, 1, 0), beyond(0) + slider), ca.dot(turned(turn, 1, 0), tool - of_tip), ca.dot(tangent, slider)
                 ),
                 "N",
             ),

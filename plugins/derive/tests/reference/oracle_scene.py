@@ -3,18 +3,18 @@
 import cmath
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from quickreturn.plugins.derive.tests.descriptions import described
 from quickreturn.plugins.derive.tests.reference.derived_thesis import of_shapes, one_cubic
 from quickreturn.reference_model.columns import BEARINGS, MOMENTS, ROW, SHAPE, by_column, recorded_columns
 from quickreturn.reference_model.compiled_state import state_of
-from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.follower import Follower
-from quickreturn.reference_model.mechanism import Base, Crank, Mechanism, TorqueDrive
+from quickreturn.reference_model.mechanism import Base, Crank, Mechanism, PrescribedSpeed, TorqueDrive
 from quickreturn.reference_model.native.compilation import compiled
 from quickreturn.reference_model.native.memory import Placed
 from quickreturn.reference_model.shapes import ShapeSet, hermite_elements
@@ -33,36 +33,9 @@ from quickreturn.reference_model.thesis.parameters import (
 )
 from quickreturn.reference_model.tip import Tip
 
-INCH = 0.0254  # m
-POUND = 4.4482216152605  # N
-SLUGLET = POUND / INCH  # kg, one lbf s^2/in
-
-#: Run 24 (thesis sections 3.2 and 5.3, table 5.1), with the damping that its speed of 16.617773 rad/s implies; names are
-#: those of `examples/derive/quick_return.py`.
-RUN_24 = {
-    "pivot_distance": 18 * INCH,
-    "crank_length": 4 * INCH,
-    "crank_mass": 0.1 * SLUGLET,
-    "crank_center_of_mass": 3 * INCH,
-    "crank_inertia": 4.0e-4 * POUND * INCH,
-    "crank_torque": 10 * POUND * INCH,
-    "crank_damping": 0.60176535 * POUND * INCH,
-    "base_inertia": 1.50e-4 * POUND * INCH,
-    "base_damping": 2e-5 * POUND * INCH,
-    "length": 25 * INCH,
-    "mass_per_length": 4.75987e-5 * SLUGLET / INCH,
-    "bending_stiffness": 2128.22 * POUND * INCH**2,
-    "beam_damping": 2e-5 * POUND / INCH**2,
-    "tip_mass": 2.90e-4 * SLUGLET,
-    "tip_inertia": 1.96e-5 * POUND * INCH,
-    "tip_center_of_mass": 0.0,
-    "slider_mass": 0.0,
-    "slider_inertia": 0.0,
-    "gravity_1": 0.0,
-    "gravity_2": 0.0,
-    "force_1": 0.0,
-    "force_2": 0.0,
-}
+_DESCRIBED = described("quick_return")
+#: Run 24, SI, by the names of `examples/derive/quick_return.py`.
+RUN_24 = {name: value for name, (_, value, _) in _DESCRIBED.quick_return(_DESCRIBED.one_cubic).parameters.items()}
 #: Dampings are magnified in random scenes, where the thesis' values would hide a wrong sign behind the flywheel.
 MAGNIFIED = {"base_damping": 1e4, "beam_damping": 10.0}
 #: Largest magnitudes of what the thesis leaves out, SI; each is as large as what it competes with.
@@ -77,43 +50,11 @@ LEFT_OUT = {
 }
 
 
-def random_case(rng: np.random.Generator, *, present: float = 0.5) -> tuple[dict[str, float], dict[str, float]]:
-    """A random scene and a random state of it, in SI.
-
-    Lengths vary by 10 to 40 %, everything else by up to 50 % around run 24, dampings around its `MAGNIFIED` values. Tip slope is at
-    most 0.5, |W'| below 0.5 everywhere, rates are those of a violent run; the slider stands anywhere between d - LA and d + LA from
-    P, before or after the return, and on the beam. Each of `LEFT_OUT` differs from zero with the probability `present`.
-    """
-    while True:
-        parameters = {name: value * MAGNIFIED.get(name, 1.0) * rng.uniform(0.5, 1.5) for name, value in RUN_24.items()}
-        for name, spread in (("pivot_distance", 0.1), ("crank_length", 0.4), ("length", 0.15)):
-            parameters[name] = RUN_24[name] * rng.uniform(1 - spread, 1 + spread)
-        for name, largest in LEFT_OUT.items():
-            sign = -1.0 if name not in ("slider_mass", "slider_inertia") and rng.random() < 0.5 else 1.0
-            parameters[name] = sign * largest * rng.uniform(0.1, 1.0) if rng.random() < present else 0.0
-
-        d, arm, length = parameters["pivot_distance"], parameters["crank_length"], parameters["length"]
-        distance = rng.uniform(d - arm, d + arm)
-        half_turn = math.acos(np.clip((d**2 + arm**2 - distance**2) / (2 * d * arm), -1.0, 1.0))
-        deflection, slope = length * rng.uniform(-0.2, 0.2), rng.uniform(-0.5, 0.5)
-        foreshortening = 0.6 * deflection**2 / length - 0.1 * deflection * slope + slope**2 * length / 15
-        if distance + foreshortening < length:
-            state = {
-                "crank_angle": rng.choice([-1.0, 1.0]) * half_turn + 2 * math.pi * int(rng.integers(-2, 3)),
-                "tip_deflection": deflection,
-                "tip_slope": slope,
-                "crank_speed": rng.uniform(-35.0, 35.0),
-                "tip_deflection_rate": rng.uniform(-3.0, 3.0),
-                "tip_slope_rate": rng.uniform(-15.0, 15.0),
-            }
-            return parameters, state
-
-
 Array = NDArray[np.float64]
 Values = dict[str, Array]
 Case = tuple[dict[str, float], dict[str, float]]
 
-#: Parts that a scene can lack besides those which `random_case` leaves out.
+#: Parts that a scene can lack besides those which `draw_case` leaves out.
 ABSENT = ("tip_mass", "tip_inertia", "base_inertia", "base_damping", "beam_damping", "crank_damping", "crank_torque")
 
 
@@ -143,48 +84,58 @@ COMPILED = Equations(_by_address(_evaluate), _by_address(thesis_equations.right_
 
 
 def draw_case(seed: int, *, present: float = 0.5, lacking: tuple[str, ...] = ()) -> Case:
-    """A random scene in which the crank can turn all the way round, and a random state of it."""
+    """A random scene in which the crank can turn all the way round, and a random state of it, in SI.
+
+    Lengths vary by 10 to 40 %, everything else by up to 50 % around run 24, dampings around its `MAGNIFIED` values. Tip slope is at
+    most 0.5, |W'| below 0.5 everywhere, rates are those of a violent run; the slider stands anywhere between d - LA and d + LA from
+    P, before or after the return, and on the beam. Each of `LEFT_OUT` differs from zero with the probability `present`.
+    """
     rng = np.random.default_rng(seed)
     while True:
-        parameters, state = random_case(rng, present=present)
-        if parameters["pivot_distance"] + parameters["crank_length"] < parameters["length"]:
+        parameters = {name: value * MAGNIFIED.get(name, 1.0) * rng.uniform(0.5, 1.5) for name, value in RUN_24.items()}
+        for name, spread in (("pivot_distance", 0.1), ("crank_length", 0.4), ("length", 0.15)):
+            parameters[name] = RUN_24[name] * rng.uniform(1 - spread, 1 + spread)
+        for name, largest in LEFT_OUT.items():
+            sign = -1.0 if name not in ("slider_mass", "slider_inertia") and rng.random() < 0.5 else 1.0
+            parameters[name] = sign * largest * rng.uniform(0.1, 1.0) if rng.random() < present else 0.0
+
+        d, arm, length = parameters["pivot_distance"], parameters["crank_length"], parameters["length"]
+        distance = rng.uniform(d - arm, d + arm)
+        half_turn = math.acos(np.clip((d**2 + arm**2 - distance**2) / (2 * d * arm), -1.0, 1.0))
+        deflection, slope = length * rng.uniform(-0.2, 0.2), rng.uniform(-0.5, 0.5)
+        foreshortening = 0.6 * deflection**2 / length - 0.1 * deflection * slope + slope**2 * length / 15
+        if distance + foreshortening < length and d + arm < length:
+            state = {
+                "crank_angle": rng.choice([-1.0, 1.0]) * half_turn + 2 * math.pi * int(rng.integers(-2, 3)),
+                "tip_deflection": deflection,
+                "tip_slope": slope,
+                "crank_speed": rng.uniform(-35.0, 35.0),
+                "tip_deflection_rate": rng.uniform(-3.0, 3.0),
+                "tip_slope_rate": rng.uniform(-15.0, 15.0),
+            }
             return parameters | dict.fromkeys(lacking, 0.0), state
 
 
 def mechanism_of(parameters: Mapping[str, float]) -> Mechanism:
     """The scene as the package takes it."""
-    p = parameters
-    try:
-        return Mechanism(
-            pivot_distance=p["pivot_distance"],
-            crank=Crank(
-                length=p["crank_length"],
-                drive=TorqueDrive(torque=p["crank_torque"], damping=p["crank_damping"], initial_speed=1.0),
-                mass=p["crank_mass"],
-                center_of_mass=p["crank_center_of_mass"],
-                inertia=p["crank_inertia"],
-            ),
-            base=Base(inertia=p["base_inertia"], damping=p["base_damping"]),
-            follower=Follower(
-                length=p["length"],
-                mass_per_length=p["mass_per_length"],
-                bending_stiffness=p["bending_stiffness"],
-                thickness=3e-3,
-                width=4e-2,
-                damping=p["beam_damping"],
-                strain_gauges=(0.25 * p["length"], 0.5 * p["length"], 0.75 * p["length"]),
-            ),
-            tip=Tip(
-                mass=p["tip_mass"],
-                inertia=p["tip_inertia"],
-                center_of_mass=p["tip_center_of_mass"],
-                force=(p["force_1"], p["force_2"]),
-            ),
-            slider=Slider(mass=p["slider_mass"], inertia=p["slider_inertia"]),
-            gravity=(p["gravity_1"], p["gravity_2"]),
-        )
-    except ImpossibleMechanism as error:
-        raise ValueError("draw a case whose crank can turn") from error
+    p, length = parameters, parameters["length"]
+    return Mechanism(
+        pivot_distance=p["pivot_distance"],
+        crank=Crank(
+            length=p["crank_length"], mass=p["crank_mass"], center_of_mass=p["crank_center_of_mass"], inertia=p["crank_inertia"],
+            drive=TorqueDrive(torque=p["crank_torque"], damping=p["crank_damping"], initial_speed=1.0),
+        ),
+        base=Base(inertia=p["base_inertia"], damping=p["base_damping"]),
+        follower=Follower(
+            length=length, mass_per_length=p["mass_per_length"], bending_stiffness=p["bending_stiffness"], thickness=3e-3, width=4e-2,
+            damping=p["beam_damping"], strain_gauges=(0.25 * length, 0.5 * length, 0.75 * length),
+        ),
+        tip=Tip(
+            mass=p["tip_mass"], inertia=p["tip_inertia"], center_of_mass=p["tip_center_of_mass"], force=(p["force_1"], p["force_2"])
+        ),
+        slider=Slider(mass=p["slider_mass"], inertia=p["slider_inertia"]),
+        gravity=(p["gravity_1"], p["gravity_2"]),
+    )  # fmt: skip
 
 
 def build(parameters: Mapping[str, float], *, elements: int = 1, exact: bool = False, cells: int = 0) -> tuple[ThesisParameters, ShapeSet]:
@@ -258,6 +209,23 @@ def expected_cubic(parameters: Mapping[str, float], state: Mapping[str, float]) 
         "shape": _cubic(parameters["length"], state),
         "moments": _moments_of_cubic(parameters, state, float(found["slider"][0])),
         "state_rate": np.r_[state["crank_speed"], eta_rate, found["accelerations"]],
+    }
+
+
+def prescribed(parameters: Mapping[str, float], state: Mapping[str, float]) -> tuple[ThesisParameters, Values]:
+    """Parameters of the single cubic with the crank at the state's speed, and what the derivation says of a scene without motor."""
+    oracle, speed = expected_cubic(parameters, state), state["crank_speed"]
+    mass, force = oracle["projected_mass_matrix"], oracle["projected_force"]
+    accelerations = np.linalg.solve(mass[1:, 1:], force[1:])
+    torque = mass[0, 1:] @ accelerations - force[0]  # the row of the crank, which does not accelerate
+    mechanism = mechanism_of(parameters)
+    mechanism = replace(mechanism, crank=replace(mechanism.crank, drive=PrescribedSpeed(speed=speed)))
+    p = build_parameters(mechanism, hermite_elements(parameters["length"], 1), exact_geometry=False, cells=0)
+    return p, {
+        "projected_mass_matrix": mass[1:, 1:],
+        "accelerations": accelerations,
+        "drive_power": torque * speed + oracle["drive_power"],  # without a motor the oracle's is that of the force on the tip
+        "kinetic_energy": oracle["kinetic_energy"],
     }
 
 

@@ -1,6 +1,5 @@
 """The explicit equations against the computer's derivation at random states far beyond what a run visits."""
 
-import dataclasses
 import math
 
 import numpy as np
@@ -16,12 +15,11 @@ from quickreturn.plugins.derive.tests.reference.oracle_scene import (
     expected_shapes,
     flexible,
     largest_difference,
-    mechanism_of,
+    prescribed,
     state_vector,
 )
-from quickreturn.reference_model.mechanism import PrescribedSpeed
 from quickreturn.reference_model.shapes import hermite_elements
-from quickreturn.reference_model.thesis.parameters import UnsuitableShapes, build_parameters, build_workspace
+from quickreturn.reference_model.thesis.parameters import UnsuitableShapes, build_workspace
 
 #: Every integral of the single cubic is exact and the 3 x 3 systems have condition numbers up to 1e4: rounding leaves 1e-13.
 ROUNDING = 1e-10
@@ -41,22 +39,8 @@ def test_single_cubic_equals_the_computers_derivation(seed: int, present: float)
 @pytest.mark.parametrize("seed", range(6))
 def test_prescribed_speed_holds_the_crank_and_names_its_torque(seed: int) -> None:
     parameters, state = draw_case(50 + seed, present=1.0, lacking=("crank_torque", "crank_damping"))
-    oracle = expected_cubic(parameters, state)
-    mass, force = oracle["projected_mass_matrix"], oracle["projected_force"]
-    flexible_acceleration = np.linalg.solve(mass[1:, 1:], force[1:])
-    mechanism = mechanism_of(parameters)
-    crank = dataclasses.replace(mechanism.crank, drive=PrescribedSpeed(speed=state["crank_speed"]))
-    shapes = hermite_elements(parameters["length"], 1)
-    p = build_parameters(dataclasses.replace(mechanism, crank=crank), shapes, exact_geometry=False, cells=0)
+    p, expected = prescribed(parameters, state)
     found = computed(COMPILED, p, state_vector(p, state, *flexible(state)))
-    torque = mass[0, 1:] @ flexible_acceleration - force[0]  # the row of the crank, which does not accelerate
-    pushed = oracle["drive_power"]  # without a torque on the crank that of the force on the tip
-    expected = {
-        "projected_mass_matrix": mass[1:, 1:],
-        "accelerations": flexible_acceleration,
-        "drive_power": torque * state["crank_speed"] + pushed,
-        "kinetic_energy": oracle["kinetic_energy"],
-    }
     difference, where = largest_difference(found, expected)
     assert difference < ROUNDING, where
 
@@ -96,19 +80,3 @@ def test_a_slider_with_inertia_needs_continuous_curvature() -> None:
     parameters, _ = draw_case(1, present=1.0)
     with pytest.raises(UnsuitableShapes, match="continuous curvature"):
         build(parameters, elements=2)
-
-
-@pytest.mark.parametrize("exact", [False, True])
-def test_projected_mass_matrix_stays_positive_for_many_shapes(exact: bool) -> None:
-    """Kinetic energy and constraint are of one order, so no fine bending can make the inertia of q2 negative."""
-    parameters, state = draw_case(2, present=1.0, lacking=("slider_inertia",))
-    p, _shapes = build(parameters, elements=8, exact=exact)
-    rng = np.random.default_rng(0)
-    for _ in range(20):
-        eta = rng.uniform(-1, 1, p.n) * np.tile([0.01 * p.L, 0.3], p.n // 2)
-        y = state_vector(p, state, eta, rng.uniform(-1, 1, p.n))
-        try:
-            matrix = computed(COMPILED, p, y)["projected_mass_matrix"]
-        except ValueError:
-            continue  # bent so much that the loop is open
-        assert np.linalg.eigvalsh(matrix)[0] > 0.0
