@@ -34,10 +34,6 @@ def _claims(saved: str, of: str = "number") -> options.Option:
     return click.option("--claims/--no-claims", default=True, help=words)
 
 
-def _picture(help: str) -> options.Option:
-    return options.single("--plot", metavar="FILE", help=f"File for a picture{help}.")
-
-
 def _merged(settings: Mapping[str, Mapping[str, str]]) -> dict[str, str]:
     """The settings of the one engine of a study."""
     return {name: value for given in settings.values() for name, value in given.items()}
@@ -52,12 +48,11 @@ def _merged(settings: Mapping[str, Mapping[str, str]]) -> dict[str, str]:
     options.assignments,
     _claims("half of the time or more"),
     options.output("File for the result of every point: .nc, .csv or .parquet.  [required]", required=False),
-    _picture(": lines over one key, a heat map over two"),
     options.of_workshop,
     options.json,
     cls=_WithMeasures,
 )
-def sweep(call: Call, axes: Sequence[str], measures: Sequence[str], claims: bool, plot: str | None) -> int:
+def sweep(call: Call, axes: Sequence[str], measures: Sequence[str], claims: bool) -> int:
     """Measure the settled motion of every machine of a grid.
 
     Any key of a case file can vary, with values and units as there, and so can engines ("engine = reference; mujoco"). Each row of the grid
@@ -76,20 +71,11 @@ def sweep(call: Call, axes: Sequence[str], measures: Sequence[str], claims: bool
     check_file(call.output, loaded.source, DATASETS)
     if texts and any(each.key == ENGINE for each in varied):
         raise SettingError(f"{next(iter(texts))}: settings need one engine, and here several are asked for; vary one engine at a time")
-    if plot is not None:
-        from quickreturn.plugins.studies.drawing.study import LINES, draw, drawable
-        from quickreturn.reports.drawing.style import picture
-
-        check_file(plot, "" if loaded.source == "library" else loaded.source, PICTURES)
-        if not drawable(varied):
-            accepted = f"a picture needs a key with finite numbers in order, and at most one more, with such or up to {LINES} values"
-            raise click.UsageError(f"--plot: {accepted}; leave --plot out, or vary less")
     tell_slow([loaded])
     with workshop(None, call.quiet, [loaded], call.engines) as opened:
         found = computed(loaded, varied, measures or USUAL, call.engines[0], call.accuracy, texts, claims, opened)
     dataset = dataset_of(found)
     write(call.output, lambda ending: dataset_file(dataset, ending))
-    write(plot, lambda ending: picture(draw(found), ending))
     document = {"case": loaded.name, "points": found.statuses.size, "statuses": found.counts, "output": call.output}
     call.show(document, "\n".join(summary(dataset, loaded.units)))
     if any(map(math.isfinite, found.values.flat)):
@@ -110,13 +96,10 @@ def sweep(call: Call, axes: Sequence[str], measures: Sequence[str], claims: bool
     options.assignments,
     _claims("half of the time"),
     options.output(f"File for the points: {' or '.join(TABLES)}.", required=False),
-    _picture(" of bands and shares"),
     options.of_workshop,
     options.json,
 )
-def uncertainty(
-    call: Call, study: str, measures: Sequence[str], samples: int | None, engine: str | None, claims: bool, plot: str | None
-) -> int:
+def uncertainty(call: Call, study: str, measures: Sequence[str], samples: int | None, engine: str | None, claims: bool) -> int:
     """Say how much measures scatter because quantities do: bands, and the share of each quantity.
 
     STUDY is a TOML file with case, measures, and a table [uncertain] of distributions; optionally samples, engine and accuracy. Or it is a
@@ -134,15 +117,9 @@ def uncertainty(
         given["case"] = given["case"].in_units(call.units)
     points = points_of(given, study, measures, samples, engine, _merged(call.settings), claims, call.accuracy)
     check_file(call.output, study, TABLES)
-    check_file(plot, study, PICTURES)
     with workshop(None, call.quiet, [points.case], [points.asked.engine]) as opened:
         found = points.scatter(opened)
     write(call.output, lambda ending: table_file(found.frame, found.frame.attrs["units"], ending))
-    if plot is not None:
-        from quickreturn.plugins.studies.drawing.study import scatter_figure
-        from quickreturn.reports.drawing.style import picture
-
-        write(plot, lambda ending: picture(scatter_figure(found), ending))
     call.show({**found.document(), "output": call.output}, repr(found))
     without: dict[str, list[str]] = {}
     for name in found.measures:
@@ -162,11 +139,10 @@ def uncertainty(
     _claims("a third of the time", "point"),
     options.case_assignments,
     options.output(f"File for the table ({', '.join(TABLES)}) or for a picture ({', '.join(PICTURES)}).", required=False),
-    _picture(", beside the table"),
     options.limited,
     options.json,
 )
-def resonance(call: Call, speed: str | None, vary: str | None, measures: Sequence[str], claims: bool, plot: str | None) -> int:
+def resonance(call: Call, speed: str | None, vary: str | None, measures: Sequence[str], claims: bool) -> int:
     """Follow the periodic motion of CASE over the crank's speed or another key.
 
     The curve passes through folds, where two motions meet. Its table has stable and unstable motions, the largest Floquet multiplier,
@@ -193,12 +169,12 @@ def resonance(call: Call, speed: str | None, vary: str | None, measures: Sequenc
         raise click.UsageError("Missing option '--speed'; give a range such as \"60 rpm .. 300 rpm\"")
     curve = job(loaded, varied, held, measures or (USUAL,), call.accuracy, claims)
     check_file(call.output, loaded.source, (*TABLES, *PICTURES))
-    check_file(plot, loaded.source, PICTURES)
     with workshop(None, call.quiet, [loaded], ["reference"]) as opened:
         found = Resonance(loaded, value_of(opened.outcomes([curve], "resonance curve")[0]))
     frame = found.frame
-    for file in (call.output, plot):
-        write(file, lambda ending: picture(found.plot(), ending) if ending in PICTURES else table_file(frame, frame.attrs["units"], ending))
+    write(
+        call.output, lambda ending: picture(found.plot(), ending) if ending in PICTURES else table_file(frame, frame.attrs["units"], ending)
+    )
     call.show({"case": loaded.name, "output": call.output, **found.document()}, repr(found))
     return ExitCode.ENGINE_TROUBLE if found.curve.lost else ExitCode.GOOD
 

@@ -34,7 +34,6 @@ POINTS_PER_INCH: Final = 72.0
 QUICK: Final = "#E0A21B"  # the quick return, as on the page
 GREY: Final = "#666666"
 LIGHT: Final = "#EAEAEA"
-BAND: Final = "#FBEFD2"  # light orange
 
 
 #: Marks of points (`reports.line_styles.Look.marker`) as the plotting library names them.
@@ -99,13 +98,6 @@ def logarithmic(axes: Axes) -> None:
     axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.yaxis.set_major_formatter(FormatStrFormatter("%g"))
     axes.yaxis.set_minor_formatter(NullFormatter())
-
-
-def note(axes: Axes, x: float, y: float, text: str, **keywords: Any) -> None:
-    """Write a small remark inside the axes, at x and y in fractions of them, on a white ground that keeps it legible over lines."""
-    chosen = {"fontsize": SMALL, "color": "#333333", "va": "top", "transform": axes.transAxes, "zorder": 5.0, **keywords}
-    ground = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.8}
-    axes.text(x, y, text, bbox=ground, **chosen)
 
 
 def legend_above(figure: Figure, handles: Sequence[Artist], most_columns: int) -> None:

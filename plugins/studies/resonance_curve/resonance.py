@@ -70,7 +70,7 @@ class Resonance(Printable):
 
     def plot(self) -> "Drawing":
         """Draw each measure over the varied quantity: stable parts as lines, unstable ones dashed, special points as marks."""
-        from quickreturn.plugins.studies.drawing.resonance import resonance_figure
+        from quickreturn.plugins.studies.resonance_curve.drawing import resonance_figure
 
         return resonance_figure(self.curve, self.case, self._units, self.around.own if self.around.motions else None)
 

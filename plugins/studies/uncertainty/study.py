@@ -123,7 +123,7 @@ def uncertainty(
 
     Returns:
         Points, which print as a summary, with `mean(measure)`, `deviation(measure)`, `quantiles(measure)`, `shares(measure)` (Sobol'
-        indices), `surrogate(measure)`, and a picture by `plot()`.
+        indices), and `surrogate(measure)`.
 
     Raises:
         CaseError, UnknownEngine, Refusal, SettingError: an invalid argument; the sentence says what is accepted.

@@ -6,8 +6,8 @@ from typing import Final
 from matplotlib.axes import Axes
 
 from quickreturn.cases.files.shown import Units
-from quickreturn.plugins.studies.drawing import key_words, measure_words
-from quickreturn.plugins.studies.resonance_curve.curve import ResonanceCurve
+from quickreturn.cases.motion.measure import Measure
+from quickreturn.plugins.studies.resonance_curve.curve import SPEED, ResonanceCurve
 from quickreturn.plugins.studies.resonance_curve.search import OF_CURVE
 from quickreturn.reports.drawing.curves import PANEL, WIDE
 from quickreturn.reports.drawing.style import (
@@ -25,6 +25,8 @@ from quickreturn.reports.drawing.style import (
 )
 from quickreturn.reports.line_styles import looks
 
+#: Largest number of letters of an axis' label: two lines.
+LABEL: Final = 72
 LINE: Final = 1.3  # font sizes from one line of text to the next
 MARGIN: Final = 0.9  # in, of a figure's width that axes do not have
 
@@ -89,3 +91,14 @@ def _name_peaks(axes: Axes, curve: ResonanceCurve, size: float, width: float) ->
             fontsize=SMALL,
             arrowprops={"arrowstyle": "-", "linewidth": 0.5, "color": GREY, "relpos": (0.5, 0.0), "shrinkB": 1.0},
         )
+
+
+def key_words(key: str) -> str:
+    """A key of a case file as the label of an axis: "tip mass"."""
+    return "crank speed" if key == SPEED else key.removeprefix("mechanism.").replace(".", " ").replace("_", " ")
+
+
+def measure_words(measure: Measure) -> str:
+    """A measure as the label of an axis: "largest magnitude of tip acceleration"; its name where that takes more than `LABEL` letters."""
+    words = measure.meaning.replace("_", " ").removesuffix(" in a turn").rstrip(",")
+    return words if len(words) <= LABEL else measure.name.replace("_", " ").replace(".", " ")
