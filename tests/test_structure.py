@@ -127,7 +127,7 @@ def test_one_folder_of_the_core_draws() -> None:
     assert {file.parent.relative_to(PACKAGE).as_posix() for file in drawing} == {
         "reports/drawing",
         "plugins/methods",
-        "plugins/studies/drawing",
+        "plugins/studies/resonance_curve",
     }
 
 
