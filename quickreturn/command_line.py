@@ -15,7 +15,7 @@ import time
 from collections.abc import Sequence
 from functools import cache
 from types import FrameType
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import click
 from click.shell_completion import CompletionItem, shell_complete
@@ -25,9 +25,6 @@ from quickreturn.commands.console import Call, ExitCode, tell
 from quickreturn.engines.plugins import entries as of_plugins
 from quickreturn.engines.plugins import found
 from quickreturn.reference_model.errors import EngineTrouble, ToldError
-
-if TYPE_CHECKING:
-    from quickreturn.cases.running.store import Store
 
 #: The commands in the order of `--help`: module of `quickreturn.commands`, and first sentence of the help. Those of plugins follow.
 COMMANDS: Final = {
@@ -194,7 +191,10 @@ def _exit_code(arguments: list[str]) -> int:
     except (KeyboardInterrupt, click.Abort):
         with contextlib.suppress(ValueError):  # not the main thread
             signal.signal(signal.SIGINT, signal.SIG_IGN)  # only the exit remains
-        tell(_interruption(call.store))
+        go_on = "nothing is kept, the same command begins anew"
+        if call.store is not None:
+            go_on = f"what was finished is kept in {call.store.folder}; the same command goes on from there"
+        tell(f"interrupted; {go_on}")
         return ExitCode.INTERRUPTED
     except click.ClickException as error:
         tell(_with_help(error))
@@ -228,17 +228,6 @@ def _drop_output() -> None:
     """Discard the output that is still to be printed, so that it does not fail again at exit."""
     with contextlib.suppress(OSError, ValueError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-
-
-def _interruption(store: "Store | None") -> str:
-    """What is kept after Ctrl-C, and how to go on."""
-    if store is None:
-        return "interrupted; nothing is kept, the same command begins anew"
-    count, folder = store.written, store.folder
-    kept = f"{count} result{'s' * (count > 1)} of this call" if count else "no result was finished; those of earlier calls"
-    if pieces := 0 if count else store.pieces:
-        kept = f"no result was finished; {pieces} piece{'s' * (pieces > 1)} of what was begun"
-    return f"interrupted; {kept} {'is' if count == 1 or pieces == 1 else 'are'} kept in {folder}; the same command goes on from there"
 
 
 def _with_help(error: click.ClickException) -> str:

@@ -1,10 +1,11 @@
 """Display of progress on standard error: jobs at work, their progress, finished jobs, and the remaining time.
 
-A terminal shows it in place; a pipe or a file gets a line every few seconds and one for each result.
+A terminal shows it in one line that changes; a pipe or a file gets a line every few seconds and one for each result.
 """
 
 import contextlib
 import functools
+import shutil
 import sys
 import threading
 import time
@@ -82,9 +83,12 @@ class Tally:
         return f"{self.done} of {self.total} done{rate}{ahead}"
 
 
-#: Time until the first line of progress, and between lines, s.
+#: Time until the first line of progress, and between lines in a pipe and in a terminal, s.
 FIRST_LINE_AFTER: Final = 0.3
 LINE_INTERVAL: Final = 5.0
+CHANGES_AFTER: Final = 0.5
+#: What returns a terminal to the beginning of its line, and clears it.
+_ANEW: Final = "\r\x1b[2K"
 #: Processor time, s, after which a message says that code is being compiled: loading compiled code takes one second, compilation 15 to 40.
 COMPILING_AFTER: Final = 2.0
 #: Interval of the checks of this time, s.
@@ -114,47 +118,28 @@ def answers(executor: Executor, jobs: Sequence[Job[T]], title: str) -> list[Outc
     return [by_job[id(job)] for job in jobs]
 
 
-def _shown(tally: Tally, title: str) -> contextlib.AbstractContextManager[Callable[[Outcome[Any]], None]]:
-    """The display that suits standard error; the function that it yields is called with every outcome."""
-    return _in_place(tally, title) if sys.stderr.isatty() else _in_lines(tally, title)
-
-
 @contextlib.contextmanager
-def _in_place(tally: Tally, title: str) -> Iterator[Callable[[Outcome[Any]], None]]:
-    """Display in a terminal: a bar, and below it the jobs at work."""
-    from rich.console import Console, Group
-    from rich.live import Live
-    from rich.progress_bar import ProgressBar
-    from rich.table import Table
-    from rich.text import Text
+def _shown(tally: Tally, title: str) -> Iterator[Callable[[Outcome[Any]], None]]:
+    """At intervals a line from a thread, because the caller waits. The function that it yields is called with every outcome.
 
-    def drawn() -> Group:
-        head = Table.grid(padding=(0, 1))
-        head.add_row(title, ProgressBar(total=tally.total, completed=tally.done, width=30), str(tally), tally.elapsed)
-        return Group(head, *(Text(f"  {line}", no_wrap=True, overflow="ellipsis") for line in tally.at_work()))
-
-    with Live(get_renderable=drawn, console=Console(stderr=True), transient=True, refresh_per_second=8):
-        yield lambda outcome: None
-
-
-@contextlib.contextmanager
-def _in_lines(tally: Tally, title: str) -> Iterator[Callable[[Outcome[Any]], None]]:
-    """Display in a pipe or a file: at intervals a line from a thread, because the caller waits, and one for each outcome.
-
-    Points of a study that are jobs of their own have no such line.
+    In a pipe or a file each outcome has a line, except for points of a study that are jobs of their own.
     """
-    ended = threading.Event()
+    ended, in_place = threading.Event(), sys.stderr.isatty()
 
     def tell() -> None:
         wait = FIRST_LINE_AFTER
         while not ended.wait(wait):
             at_work = tally.at_work()
             more = [f"{len(at_work) - _MOST_AT_WORK} more"] if len(at_work) > _MOST_AT_WORK else []
-            _say("; ".join([f"{title}: {tally} after {tally.elapsed}", *at_work[:_MOST_AT_WORK], *more]))
-            wait = LINE_INTERVAL
+            line = "; ".join([f"{title}: {tally} after {tally.elapsed}", *at_work[:_MOST_AT_WORK], *more])
+            if in_place:
+                _write(f"{_ANEW}  {line[: shutil.get_terminal_size().columns - 3]}")
+            else:
+                _say(line)
+            wait = CHANGES_AFTER if in_place else LINE_INTERVAL
 
     def done(outcome: Outcome[Any]) -> None:
-        if tally.total > 1 and not (outcome.job.brief and outcome.job.points == 1 and outcome.completed):
+        if tally.total > 1 and not in_place and not (outcome.job.brief and outcome.job.points == 1 and outcome.completed):
             _say(f"{outcome.job.name}: {outcome.failure or f'done in {span(outcome.seconds)}'}; {tally}")
 
     thread = threading.Thread(target=tell, daemon=True)
@@ -164,6 +149,8 @@ def _in_lines(tally: Tally, title: str) -> Iterator[Callable[[Outcome[Any]], Non
     finally:
         ended.set()
         thread.join()
+        if in_place:
+            _write(_ANEW)
 
 
 @contextlib.contextmanager
@@ -207,8 +194,12 @@ def _say_what_is_forgotten() -> None:
 
 
 def _say(line: str) -> None:
+    _write(f"  {line}\n")
+
+
+def _write(text: str) -> None:
     with contextlib.suppress(OSError, ValueError):  # nobody listens
-        print(f"  {line}", file=sys.stderr, flush=True)
+        print(text, end="", file=sys.stderr, flush=True)
 
 
 #: Kind, function and engines of a job; the time that it takes depends on them.

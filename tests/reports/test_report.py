@@ -17,7 +17,7 @@ from quickreturn.plugins.methods.tests.made_up_races import made_up_fronts, made
 from quickreturn.plugins.methods.tests.pages import of_studies
 from quickreturn.reports import report as report_module
 from quickreturn.reports.page.chapters import chapters_of
-from quickreturn.reports.page.content import FILE, PARTS, Content, verification
+from quickreturn.reports.page.content import FILE, Content, verification
 from quickreturn.reports.page.render import report_page
 from quickreturn.reports.report import CATALOGUE, machine_facts, write, write_report
 from tests.reports import pages
@@ -142,7 +142,7 @@ def test_recorded_tables_are_shown_with_what_they_say_of_themselves_as_text() ->
 def test_verification_is_shown_as_long_as_the_code_is_the_same(tmp_path: Path) -> None:
     assert "not been run" in verification(tmp_path).absent
     chapter = {"title": "Faults", "text": "All survived.", "columns": ["fault", "share"], "rows": [["disk full", 0.5], ["killed", None]]}
-    document = {"code": code_fingerprint(PARTS), "date": "today", "chapters": [chapter]}
+    document = {"code": code_fingerprint(), "date": "today", "chapters": [chapter]}
     (tmp_path / FILE).write_text(json.dumps(document))
     read = pages.read(content_of(results=[reported_result("thesis-24")], verification=verification(tmp_path)))
     assert "All survived." in read.text

@@ -189,20 +189,6 @@ def test_a_study_is_the_same_bit_for_bit_where_a_worker_is_killed_in_the_middle(
     assert results("there") == results("here")
 
 
-#: Ends the worker that the job is computed for: the parent of the fork server.
-SUICIDE = "os.kill(int(open('/proc/%d/stat' % os.getppid()).read().rpartition(')')[2].split()[1]), 9)"
-
-
-@pytest.mark.verify
-def test_a_job_that_kills_every_worker_is_given_up_and_the_others_are_done() -> None:
-    with here(0) as scheduler, ended(started(scheduler.scheduler_address)), cluster(scheduler.scheduler_address) as executor:
-        jobs = [Job("kills", exec, (f"import os, time; {SUICIDE}; time.sleep(60)",)), Job("good", eval, ("6 * 7",))]
-        outcomes = {outcome.job.name: outcome for outcome in executor.run(jobs)}
-    assert outcomes["good"].value == 42
-    assert outcomes["kills"].failure.startswith("was lost (KilledWorker: Attempted to run task ")
-    assert outcomes["kills"].failure.endswith(" on 4 different workers, but all those workers died while running it)")
-
-
 @pytest.mark.verify
 def test_a_worker_with_other_code_is_refused(tmp_path: Path) -> None:
     package = copied_package(tmp_path, "reference_model", "engines", "cases")

@@ -20,7 +20,6 @@ from quickreturn.cases.running.isolation import LocalProcesses, end_waiting
 from quickreturn.cases.running.job import Job, Limits, Outcome
 from tests.cases.running.jobs import done, gone
 
-pytestmark = pytest.mark.skipif(not fork_server.FORKS, reason="there is no fork server")
 PRELOAD = ("quickreturn.cases.running.worker",)  # servers that die soon need nothing slow
 
 

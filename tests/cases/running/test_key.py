@@ -21,7 +21,6 @@ from quickreturn.cases.running import key
 from quickreturn.cases.running.job import Job, Limits
 from quickreturn.cases.running.key import (
     ONLY_TALK,
-    code_fingerprint,
     code_of,
     hash_of,
     imported_modules,
@@ -34,7 +33,6 @@ from quickreturn.cases.running.key import (
 from quickreturn.engines.plugins import plugins
 from quickreturn.plugins.studies.sweep import grid
 from quickreturn.plugins.studies.sweep.rows import MeasureRequest
-from tests.engines.fake_engine import FakeEngine
 from tests.engines.scenes import run_24
 from tests.package_copy import ROOT
 
@@ -53,46 +51,18 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return folder
 
 
-def fresh(*parts: str) -> str:
-    """As a new process would compute it: a process reads the sources once."""
-    key._source_hash.cache_clear()
-    return code_fingerprint(parts)
-
-
-def test_every_edit_counts_and_undoing_it_restores(package: Path) -> None:
-    seen = {fresh("fingerprinted")}
-    (package / "inner" / "two.py").write_text("b = 3\n")
-    seen.add(fresh("fingerprinted"))
-    (package / "three.py").write_text("")
-    seen.add(fresh("fingerprinted"))
-    (package / "one.py").rename(package / "four.py")
-    seen.add(fresh("fingerprinted"))
-    assert len(seen) == 4
-    (package / "four.py").rename(package / "one.py")
-    (package / "three.py").unlink()
-    (package / "inner" / "two.py").write_text("b = 2\n")
-    assert fresh("fingerprinted") in seen
-
-
-def test_data_files_do_not_count(package: Path) -> None:
-    """Nor what is unpacked beside compiled code."""
-    before = fresh("fingerprinted")
-    (package / "notes.md").write_text("nothing")
-    (package / "__pycache__/unpacked").mkdir(parents=True)
-    (package / "__pycache__/unpacked/machine.py").write_text("import math\n")
-    assert fresh("fingerprinted") == before
-
-
-def test_a_module_can_be_a_part(package: Path) -> None:
-    before = fresh("fingerprinted.one")
-    (package / "inner" / "two.py").write_text("b = 4\n")
-    assert fresh("fingerprinted.one") == before
-    (package / "one.py").write_text("a = 2\n")
-    assert fresh("fingerprinted.one") != before
-
-
-def test_own_code_of_a_third_party_engine_counts() -> None:
-    assert code_fingerprint(engine=FakeEngine()) != code_fingerprint()
+def test_own_code_of_a_third_party_engine_counts(package: Path) -> None:
+    """That of all files of its package; not its data, nor what is unpacked beside compiled code."""
+    (package / "one.py").write_text("class Engine:\n    pass\n")
+    chosen, seen = importlib.import_module("fingerprinted.one").Engine, list[str]()
+    for name, text in (("apart.txt", ""), ("__pycache__/machine.py", "import math\n"), ("inner/two.py", "b = 3\n"), ("three.py", "")):
+        (package / name).parent.mkdir(exist_ok=True)
+        (package / name).write_text(text)
+        key._code_of_engine.cache_clear()
+        key.text_of.cache_clear()
+        seen.append(key._code_of_engine(chosen))
+    assert seen[0] == seen[1]
+    assert len(set(seen)) == 3
 
 
 def function_in(module: str) -> Any:
@@ -173,11 +143,6 @@ def test_a_job_loads_no_module_that_its_key_lacks(made: Callable[[], Job[Any]]) 
     registry = {f"quickreturn.plugins.{name}{of}" for name in plugins() for of in ("", ".plugin")}  # texts of what there is
     registry |= {each.rpartition(".")[0] for each in ONLY_TALK}  # the packages of such modules hold no code
     assert {name for name in loaded if not f"{name}.".startswith(quiet)} - sources_of(asked.function.__module__).keys() <= registry
-
-
-def test_missing_part_is_an_error() -> None:
-    with pytest.raises(ModuleNotFoundError, match="no_such_part"):
-        code_fingerprint(("no_such_part",))
 
 
 def job(**changes: Any) -> Job[Any]:

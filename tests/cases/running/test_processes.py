@@ -10,7 +10,6 @@ import operator
 import os
 import resource
 import signal
-import subprocess
 import sys
 import threading
 import time
@@ -21,7 +20,6 @@ from typing import Any
 
 import pytest
 
-from quickreturn.cases.running import fork_server
 from quickreturn.cases.running.isolation import LocalProcesses, computed, end_waiting, isolated
 from quickreturn.cases.running.job import Job, Limits, Outcome
 from quickreturn.engines.base import EngineFailure
@@ -82,7 +80,6 @@ def test_each_brief_job_has_its_own_output_progress_and_limits() -> None:
     assert seen == [("loud", "None"), ("loud", "fake, marching"), ("frugal", "None"), ("greedy", "None"), ("quiet", "None")]
 
 
-@pytest.mark.skipif(not fork_server.FORKS, reason="it stops the fork server")
 def test_a_process_that_was_killed_while_it_waited_is_replaced() -> None:
     outcomes = LocalProcesses(1).run([brief("first", PID), brief("waits", "__import__('time').sleep(0.5)"), brief("last", PID)])
     first = next(outcomes).value
@@ -102,34 +99,6 @@ def test_what_the_executor_loses_is_named() -> None:
     future.set_exception(RuntimeError("the machine burned down"))
     (outcome,) = computed(lambda _: future, [Job("job", len, ((),))])
     assert (outcome.failure, outcome.error) == ("was lost (RuntimeError: the machine burned down)", None)
-
-
-def test_jobs_that_are_blamed_together_are_computed_alone() -> None:
-    """As on a cluster: what waits on a worker that another job kills is lost with it."""
-
-    class Burned(Exception):
-        """A machine is lost."""
-
-    jobs, handed = [Job("good", len, ((),)), Job("burns", len, ((),)), Job("raises", len, ((),))], list[str]()
-
-    def submit(job: Job[Any]) -> "Future[Outcome[Any]]":
-        handed.append(job.name)
-        future: Future[Outcome[Any]] = Future()
-        if job.name == "raises":
-            future.set_exception(ValueError("its own"))
-        elif job.name == "burns" or len(handed) <= len(jobs):
-            future.set_exception(Burned("all is lost"))
-        else:
-            future.set_result(Outcome(job, value=0))
-        return future
-
-    outcomes = {outcome.job.name: outcome for outcome in computed(submit, jobs, blamed=Burned)}
-    assert outcomes["good"].value == 0
-    assert outcomes["burns"].failure == "was lost (Burned: all is lost)"
-    assert sorted(handed) == ["burns", "burns", "good", "good", "raises"]
-    handed.clear()
-    assert [outcome.failure for outcome in computed(submit, jobs[1:2], blamed=Burned)] == ["was lost (Burned: all is lost)"]
-    assert handed == ["burns"]  # it was alone
 
 
 def test_outcomes_come_as_jobs_end(tmp_path: Path) -> None:
@@ -234,11 +203,3 @@ def test_last_words_of_a_process_that_died() -> None:
     dying = done(exec, "import os; os.write(2, b'terminate called\\n  what(): bad alloc\\n'); os.abort()")
     assert dying.explanation == 'killed by SIGABRT (its last words: "what(): bad alloc")'
     assert done(operator.truediv, 1, 0).explanation == "raised ZeroDivisionError: division by zero"
-
-
-@pytest.mark.verify
-def test_the_quick_tests_of_this_file_pass_where_each_process_starts_afresh() -> None:
-    """As on systems other than Linux."""
-    run = [sys.executable, "-P", "-m", "pytest", "-n", "0", "-q", __file__]
-    done = subprocess.run(run, env={**os.environ, "QUICKRETURN_START_METHOD": "spawn"}, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout

@@ -1,4 +1,4 @@
-"""What the person who waits gets to see: in place on a terminal, in lines on a pipe, and never on standard output."""
+"""What the person who waits gets to see: a line that changes on a terminal, lines on a pipe, and never on standard output."""
 
 import contextlib
 import os
@@ -51,7 +51,7 @@ def test_a_pipe_gets_lines_and_standard_output_stays_clean(script: Path) -> None
 
 
 @pytest.mark.verify
-def test_a_terminal_gets_the_bar_and_what_is_at_work_and_standard_output_stays_clean(script: Path) -> None:
+def test_a_terminal_gets_what_is_at_work_and_standard_output_stays_clean(script: Path) -> None:
     reading, writing = pty.openpty()
     environment = {**os.environ, "TERM": "xterm", "COLUMNS": "100"}
     program = subprocess.Popen([sys.executable, script], stdout=subprocess.PIPE, stderr=writing, env=environment)
