@@ -70,14 +70,6 @@ OPTIONS: Final = {
     "UnknownEngine": "--engine",
 }
 
-#: Commands that users expect to take an engine -> why they take none.
-NO_ENGINE: Final = {
-    "advise": "advise simulates nothing",
-    "calibrate": "calibrate computes with reference alone",
-    "resonance": "resonance follows the motion with reference alone",
-    "show": "show tells what each installed engine builds",
-}
-
 #: Errors of the system when there is no room to write.
 FULL: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 
@@ -235,8 +227,6 @@ def _with_help(error: click.ClickException) -> str:
     message, context = error.format_message(), getattr(error, "ctx", None)
     if isinstance(error, click.NoSuchOption):
         near = f" (perhaps {error.possibilities[0]} is meant)" if error.possibilities else ""
-        if error.option_name == "--engine" and context is not None:
-            near = f" ({NO_ENGINE[context.info_name]})" if context.info_name in NO_ENGINE else near
         message = f"No such option: {shortened(error.option_name)}{near}"
     if context is None or not message[:1].isupper():
         return message

@@ -21,7 +21,6 @@ from quickreturn.cases.files.column_mapping import (
     Target,
     UsedColumn,
     columns_used,
-    counts_from_zero,
     mapping_of,
     own_name,
     suggested,
@@ -128,7 +127,6 @@ def read_table(
 
     table = _table(printable(os.path.basename(path)), path, values, declared, refusal)
     told = [*written.told, *["decimal comma"] * (found.decimal == ","), *([f"columns by {mapping.file}"] if mapping.file else [])]
-    told += ["names counted from 0"] if any(counts_from_zero(name, written.headings or ()) for name in by_name) else []
     told += [f"{found.lacking:,} row{'s' * (found.lacking > 1)} with an empty cell left out"] if found.lacking else []
     told += [f"{name} made continuous" for name in sorted(table.unwrapped)]
     told += table.noted
@@ -165,7 +163,7 @@ def suggested_mapping(
     for number, heading in enumerate(headings):
         target = mapping.targets.get(heading) or mapping.targets.get(str(number + 1)) if heading else None
         if target is None and written.headings is not None:
-            target = own_name(heading, headings)
+            target = own_name(heading)
             if target is not None and target.unit and not unit_in(heading, target.column):
                 target = None
         if target is not None and target.column != IGNORED:

@@ -97,9 +97,10 @@ def compare(call: Call, files: Sequence[str], writes_mapping: bool, **reading: A
     else:
         click.echo("\n".join(in_lines(parts_of_tables(result, each)) for result, each in zip(results, tables_of, strict=True)))
     if call.output:
-        from quickreturn.reports.drawing.cycle import drawn
+        from quickreturn.reports.drawing.cycle import draw
+        from quickreturn.reports.drawing.style import picture
 
-        write(call.output, lambda ending: drawn(results, ending))
+        write(call.output, lambda ending: picture(draw(results), ending))
     return _exit_code(call, results)
 
 
