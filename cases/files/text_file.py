@@ -88,6 +88,8 @@ def similar_file(path: str) -> str:
 #: Lines are limited, because one long dotted key costs the TOML parser quadratic time and memory.
 LONGEST_LINE: Final = 1_000
 _ACCEPTED: Final = 'write [section] or key = "number unit", such as length = "4 in"'
+#: The parser's message at the end of a text -> the quote that is not closed: the last one in the text.
+_NEVER_CLOSED: Final = {"Unterminated string": '"""', 'Expected "\'"': "'", "Expected \"'''\"": "'''"}
 _TYPOGRAPHIC: Final = re.compile(r"[“”„‟‘’‚‛«»]")
 
 
@@ -113,7 +115,7 @@ def broken_toml(source: str, text: str, complaint: str) -> CaseError:
         complaint: the parser's sentence, which ends in "(at line 3, column 7)" or "(at end of document)".
     """
     words, place = re.fullmatch(r"(.*?)(?: \(at (?:line (\d+), column \d+|end of document)\))?", complaint, re.DOTALL).groups()  # type: ignore[union-attr]
-    number = int(place) if place else text.count("\n", 0, len(text.rstrip())) + 1
+    number = int(place) if place else _line_of_the_end(text, words)
     line = text.split("\n")[number - 1].strip()
     key, value = f"line {number}", as_written(line)
     if re.match(r"Cannot (overwrite|declare|mutate)", words):
@@ -121,3 +123,9 @@ def broken_toml(source: str, text: str, complaint: str) -> CaseError:
     if _TYPOGRAPHIC.search(line):
         return CaseError(source, key, value, "is no valid TOML: it has typographic quotes", _ACCEPTED)
     return CaseError(source, key, value, f"is no valid TOML: {words[:1].lower()}{words[1:]}", _ACCEPTED)
+
+
+def _line_of_the_end(text: str, words: str) -> int:
+    """The line of the mistake in a text that ends too early: the line of an unclosed quote, otherwise the last line that is not blank."""
+    place = text.rfind(_NEVER_CLOSED[words]) if words in _NEVER_CLOSED else -1
+    return text.count("\n", 0, place if place >= 0 else len(text.rstrip())) + 1

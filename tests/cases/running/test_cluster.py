@@ -7,7 +7,6 @@ import contextlib
 import os
 import re
 import signal
-import socket
 import subprocess
 import sys
 import textwrap
@@ -69,13 +68,6 @@ def ended(process: "subprocess.Popen[bytes]") -> Iterator["subprocess.Popen[byte
     finally:
         process.terminate()
         process.wait(LONG)
-
-
-def free_port() -> int:
-    with socket.socket() as each:
-        each.bind(("127.0.0.1", 0))
-        port = each.getsockname()[1]
-    return int(port)
 
 
 @pytest.fixture(scope="module")
@@ -199,11 +191,6 @@ def test_a_worker_with_other_code_is_refused(tmp_path: Path) -> None:
     )
 
 
-@pytest.mark.verify
-def test_a_worker_that_may_start_no_processes_is_refused() -> None:
-    assert refusal(may="True") == "may start no processes; set DASK_DISTRIBUTED__WORKER__DAEMON=False where it is started"
-
-
 def refusal(**worker: Any) -> str:
     """Why a cluster with this worker is refused."""
     with (
@@ -239,23 +226,6 @@ def test_who_asked_and_is_gone_leaves_nothing_at_work(scheduler: "LocalCluster",
     assert asks.communicate(timeout=LONG) == (None, b"")
     assert asks.returncode == code
     until(lambda: gone(int(mark.read_text())))
-
-
-@pytest.mark.verify
-def test_a_scheduler_that_dies_ends_the_run_and_what_its_workers_are_at(tmp_path: Path) -> None:
-    mark, address = tmp_path / "pid", f"tcp://127.0.0.1:{free_port()}"
-    command = [sys.executable, "-m", "dask", "scheduler", "--host", "127.0.0.1", "--port", address.rpartition(":")[2], "--no-dashboard"]
-    with ended(subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)) as scheduler, ended(started(address)):
-        with cluster(address) as executor:
-            outcomes = executor.run([Job("sleeper", exec, (sleeper(tmp_path),))])
-            killer = threading.Thread(target=lambda: (until(mark.exists), scheduler.kill()))
-            killer.start()
-            with pytest.raises(
-                ExecutorError, match=r"^the connection to the machines that compute is lost; what they delivered is stored$"
-            ):
-                next(outcomes)
-            killer.join()
-        until(lambda: gone(int(mark.read_text())))
 
 
 def _of_other_code(job: Job[Any], key: str, limits: Limits, on_worker: Any = module._on_worker) -> Any:

@@ -25,16 +25,13 @@ from quickreturn.cases.running.key import (
     hash_of,
     imported_modules,
     key_of,
-    modules_in,
     names_imported,
-    source_of,
     sources_of,
 )
 from quickreturn.engines.plugins import plugins
 from quickreturn.plugins.studies.sweep import grid
 from quickreturn.plugins.studies.sweep.rows import MeasureRequest
 from tests.engines.scenes import run_24
-from tests.package_copy import ROOT
 
 
 @pytest.fixture
@@ -204,50 +201,6 @@ def test_imports_are_read_from_a_source() -> None:
     at_the_head = {"quickreturn.a", "quickreturn.b", "quickreturn.c", "quickreturn.c.d", "quickreturn.c.e"}
     found = {name for name in names_imported(SOURCE) if name.startswith("quickreturn")}
     assert found == at_the_head | {"quickreturn.quoted.one", "quickreturn.inside", "quickreturn.inside.g"}
-
-
-def test_a_relative_import_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"relative import: from \.near import a"):
-        list(names_imported("from .near import a, b\n"))
-
-
-@pytest.fixture
-def find(tmp_path: Path) -> Callable[[str], Path | None]:
-    """Finds the modules of a made-up package."""
-    texts = {
-        "one.py": "from quickreturn.inner.two import value\n",
-        "inner/__init__.py": "import quickreturn.three\n",
-        "inner/two.py": "def f():\n    from quickreturn.one import g\n",
-        "three.py": "",
-        "apart.py": "from quickreturn import one\n",
-    }
-    for name, text in texts.items():
-        (tmp_path / name).parent.mkdir(exist_ok=True)
-        (tmp_path / name).write_text(text)
-
-    def found(module: str) -> Path | None:
-        place = tmp_path.joinpath(*module.split(".")[1:])
-        return next((file for file in (place / "__init__.py", place.with_suffix(".py")) if file.is_file()), None)
-
-    return found
-
-
-def test_modules_are_followed_through_others_and_in_circles(find: Callable[[str], Path | None]) -> None:
-    all_of_one = ["quickreturn.inner", "quickreturn.inner.two", "quickreturn.one", "quickreturn.three"]
-    assert list(imported_modules(["quickreturn.one"], find=find)) == all_of_one
-    assert list(imported_modules(["quickreturn.inner.two"], find=find)) == all_of_one
-    assert list(imported_modules(["quickreturn.apart", "quickreturn.missing"], find=find)) == ["quickreturn.apart", *all_of_one]
-    assert imported_modules(["quickreturn.missing"], find=find) == {}
-
-
-def test_modules_of_each_part_of_the_package_have_their_files() -> None:
-    shapes = source_of("quickreturn.reference_model.shapes")
-    assert shapes.samefile(ROOT / "reference_model/shapes.py")
-    for part in ("reference_model", "engines", "cases", "reports", "derive"):
-        for module, file in modules_in(f"quickreturn.{part}").items():
-            assert source_of(module) == file
-    assert (source_of("numpy"), source_of("quickreturn.missing"), modules_in("quickreturn.missing")) == (None, None, {})
-    assert set(modules_in("quickreturn.record")) == {"quickreturn.record"}
 
 
 @pytest.mark.parametrize("module", ["quickreturn.engines.accurate", pytest.param("quickreturn.reports.report", marks=pytest.mark.verify)])

@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from quickreturn.cases.running.display import Tally, answers, span
+from quickreturn.cases.running.display import Tally, answers
 from quickreturn.cases.running.isolation import LocalProcesses
 from quickreturn.cases.running.job import Job, Outcome
 from quickreturn.engines.progress import Progress
@@ -114,11 +114,6 @@ def test_what_takes_longer_than_usual_is_not_about_to_end(monkeypatch: pytest.Mo
     assert tally.left == pytest.approx(5.0)  # 3 s of the one at work, and 5 s of the one that begins beside it
     now[0] += 28.0
     assert tally.left == pytest.approx(30.0)
-
-
-@pytest.mark.parametrize(("seconds", "text"), [(0.2, "0 s"), (59.4, "59 s"), (61.0, "1 min 1 s"), (4800.0, "1 h 20 min")])
-def test_a_span_of_time_for_a_person(seconds: float, text: str) -> None:
-    assert span(seconds) == text
 
 
 def test_jobs_of_several_points_are_counted_by_their_points(monkeypatch: pytest.MonkeyPatch) -> None:

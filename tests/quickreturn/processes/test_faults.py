@@ -1,7 +1,6 @@
 """What a user sees of a fault, of a disk among them: one sentence that names it, an exit code, and all that it has not touched."""
 
 import contextlib
-import dataclasses
 import json
 import os
 import resource
@@ -12,13 +11,6 @@ from pathlib import Path
 
 import pytest
 
-from quickreturn.cases.library import load_case
-from quickreturn.cases.running.isolation import LocalProcesses
-from quickreturn.cases.running.job import Limits
-from quickreturn.cases.running.store import Store
-from quickreturn.cases.running.workshop import Workshop
-from quickreturn.plugins.methods.race import Contest, race
-from quickreturn.plugins.methods.tests.made_up_races import made_up_race
 from tests.engines import faulty_engines
 from tests.engines.faulty_engines import SIGNAL
 from tests.quickreturn.conftest import Answer, Call
@@ -147,26 +139,6 @@ def test_a_simulation_that_is_stopped_at_its_limits_leaves_no_file(place: Path, 
         assert f"engine {engine}: {said}" in errors
         assert errors.endswith("there is nothing to keep\n")
         assert not (place / "out.csv").exists()
-
-
-def test_a_benchmark_leaves_out_what_dies(place: Path, call: Call, monkeypatch: pytest.MonkeyPatch) -> None:
-    case, names = load_case(str(place / "small.toml")), ("sound", "raises", "segfaults", "not-installed")
-    workshop = Workshop(Store(), LocalProcesses(1, limits=Limits(seconds=300.0)))
-    found = race(case, Contest(names, (1e-2,), runs=0), workshop)
-    assert found is not None
-    assert found.failures == {
-        "segfaults": "killed by SIGSEGV",
-        "not-installed": "it cannot be loaded (ModuleNotFoundError: No module named 'no_such_library')",
-    }
-    assert {row.engine for row in found.rows} == {"sound", "raises"}  # what raises says so itself, and stays in the table
-    monkeypatch.setattr(
-        "quickreturn.plugins.methods.race.race", lambda *_: dataclasses.replace(made_up_race("small"), failures=found.failures)
-    )
-    code, output, errors = call("benchmark", "small.toml", "--json")
-    assert code == 3
-    assert json.loads(output)["benchmarks"][0]["failures"] == found.failures
-    assert errors.splitlines() == [f"quickreturn: small: engine {name} was left out: {why}" for name, why in found.failures.items()]
-    assert call("benchmark", "small.toml", "--engine", "not-installed").code == 2
 
 
 # --- the runner is killed or interrupted -----------------------------------------------------------------------------------------

@@ -30,12 +30,6 @@ def test_the_heading_counts_the_comparisons_of_the_page() -> None:
     assert finding_of(nothing, "agreement") == "Nothing could be judged"
 
 
-def test_one_engine_alone_has_no_such_chapter() -> None:
-    result = reported_result("example")
-    alone = dataclasses.replace(result, runs={"reference": result.runs["reference"]})
-    assert "What was compared" not in text_of(one_run(alone))
-
-
 @pytest.mark.parametrize("factor", [0.9, 1.1])
 def test_a_difference_of_peaks_tells_which_engine_swings_further(factor: float) -> None:
     result = reported_result("thesis-24")

@@ -1,11 +1,9 @@
 """The resonance curve on the page of one's own machine, in Chromium: lines, marks and texts, and what pointer and keys read off."""
 
-from pathlib import Path
-
 import pytest
 from playwright.sync_api import Locator, Page
 
-from quickreturn.plugins.studies.around import Around, around_of
+from quickreturn.plugins.studies.around import around_of
 from quickreturn.plugins.studies.tests.made_up_resonance import RPM, height, made_up_around, speed
 from quickreturn.reports.page.content import Content
 from quickreturn.reports.report import machine_facts, write
@@ -60,15 +58,6 @@ def test_unstable_parts_are_dashed_and_the_machine_is_marked(opened: Open) -> No
 
 
 @pytest.mark.verify
-def test_the_pointer_reads_a_fold(opened: Open) -> None:
-    page, found = chart(opened)
-    found.locator("[data-series=fold] polygon").first.hover()
-    told = page.locator("#resonance .reading")
-    assert told.inner_text().startswith("fold: ")
-    assert "times the crank’s speed" in told.inner_text()
-
-
-@pytest.mark.verify
 def test_arrow_keys_go_along_the_curve_and_to_other_series(opened: Open) -> None:
     page, found = chart(opened)
     told = page.locator("#resonance .reading")
@@ -87,12 +76,3 @@ def test_arrow_keys_go_along_the_curve_and_to_other_series(opened: Open) -> None
         seen.append(told.inner_text().partition(":")[0])
     assert seen == ["unstable", "peak", "fold", "your machine", "stable"]
     assert found.locator("circle[visibility=visible]").count() == 1
-
-
-@pytest.mark.verify
-def test_a_page_without_a_curve_has_the_sentence_in_its_place(opened: Open, tmp_path: Path) -> None:
-    refused = Around(AROUND.case, None, "a resonance curve needs a follower that bends")
-    write(Content(results=[reported_result("example")], data={around_of: [refused]}, facts=machine_facts()), tmp_path)
-    page = opened("#chapter=resonance", (tmp_path / "index.html").as_uri(), reduced_motion="reduce")
-    assert page.locator("#resonance .chart").count() == 0
-    assert "No resonance curve of" in page.locator("#resonance .body").inner_text()
