@@ -24,7 +24,6 @@ from quickreturn.cases.files.column_mapping import (
     mapping_of,
     own_name,
     suggested,
-    unit_in,
 )
 from quickreturn.cases.files.errors import CaseError, as_written, path_shown, printable
 from quickreturn.cases.files.instants import gaps, single_instants
@@ -164,8 +163,6 @@ def suggested_mapping(
         target = mapping.targets.get(heading) or mapping.targets.get(str(number + 1)) if heading else None
         if target is None and written.headings is not None:
             target = own_name(heading)
-            if target is not None and target.unit and not unit_in(heading, target.column):
-                target = None
         if target is not None and target.column != IGNORED:
             offset = f" {'-' if target.offset < 0 else '+'} {abs(target.offset)!r}" if target.offset else ""
             unit = f" [{target.unit}]" if target.unit is not None else ""

@@ -51,11 +51,6 @@ class Cluster:
     def __init__(self, client: Client, limits: Limits, quiet: bool) -> None:
         self._client, self.limits, self.quiet = client, limits, quiet
 
-    @property
-    def at_once(self) -> int:
-        """Number of jobs that the present workers compute at a time."""
-        return max(1, sum(self._client.nthreads().values()))
-
     def run(self, jobs: Sequence[Job[V]], watch: Watch | None = None) -> Generator[Outcome[V], None, None]:
         """See `cases.running.job.Executor`; `watch` is not called, because the workers do not report their progress."""
         executor = self._client.get_executor(pure=False)

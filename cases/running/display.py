@@ -23,63 +23,38 @@ from quickreturn.reference_model.native.cache_folder import waits_for
 class Tally:
     """Number of finished jobs, jobs at work, and the remaining time."""
 
-    def __init__(self, jobs: Sequence[Job[Any]], at_once: int) -> None:
-        """`at_once`: how many jobs are computed at a time."""
-        self.total, self.done, self._at_once = sum(job.points for job in jobs), 0, at_once
-        self._unfinished = {id(job): job for job in jobs}
-        self._began = time.monotonic()
-        self._at_work: dict[int, tuple[Job[Any], Progress | None, float]] = {}
-        self._spent: dict[_Sort, tuple[float, int]] = {}  # seconds and points of the ended jobs of a sort
-        self._rows = False  # whether a job has several points
+    def __init__(self, jobs: Sequence[Job[Any]]) -> None:
+        self.total, self.done = sum(job.points for job in jobs), 0
+        self._began, self._rows = time.monotonic(), any(job.points > 1 for job in jobs)
+        self._at_work: dict[int, tuple[Job[Any], Progress | None]] = {}
         self._lock = threading.Lock()
 
     def watch(self, job: Job[Any], progress: Progress | None) -> None:
         """Note the progress of a job; None: it has begun."""
         with self._lock:
-            began = self._at_work[id(job)][2] if id(job) in self._at_work else time.monotonic()
-            self._at_work[id(job)] = job, progress, began
+            self._at_work[id(job)] = job, progress
 
     def ended(self, outcome: Outcome[Any]) -> None:
         """Note that a job has ended, successfully or not."""
         with self._lock:
             self._at_work.pop(id(outcome.job), None)
-            self._unfinished.pop(id(outcome.job), None)
             self.done += outcome.job.points
-            seconds, points = self._spent.get(_sort(outcome.job), (0.0, 0))
-            self._spent[_sort(outcome.job)] = seconds + outcome.seconds, points + outcome.job.points
-            self._rows |= outcome.job.points > 1
 
     @property
-    def elapsed(self) -> str:
-        """Time since the beginning, as text."""
-        return span(time.monotonic() - self._began)
-
-    @property
-    def left(self) -> float | None:
-        """Remaining time, s, from the averages so far; None while there is a sort of job of which none has ended.
-
-        A job that takes longer than the average of its sort is assumed to take as long again as it has until now.
-        """
-        with self._lock:
-            if not all(_sort(job) in self._spent for job in self._unfinished.values()):
-                return None
-            now, each = time.monotonic(), list[float]()
-            for key, job in self._unfinished.items():
-                seconds, points = self._spent[_sort(job)]
-                taken = now - self._at_work[key][2] if key in self._at_work else 0.0
-                usual = job.points * seconds / points
-                each.append(usual - taken if taken < usual else taken)
-            return max(sum(each) / self._at_once, max(each, default=0.0))
+    def elapsed(self) -> float:
+        """Time since the beginning, s."""
+        return time.monotonic() - self._began
 
     def at_work(self) -> list[str]:
         """A line for each job that is being computed."""
         with self._lock:
-            return [_line(job, progress) for job, progress, _ in self._at_work.values()]
+            return [_line(job, progress) for job, progress in self._at_work.values()]
 
     def __str__(self) -> str:
-        left = self.left
-        ahead = f", about {span(left)} left" if left and left >= 0.5 else ""
-        rate = f", {self.done / (time.monotonic() - self._began):.3g} a second" if self._rows else ""
+        """The numbers, and the remaining time if the others take as long as those that have ended."""
+        left = self.elapsed * (self.total - self.done) / self.done if self.done else 0.0
+        ahead = f", about {span(left)} left" if left >= 0.5 else ""
+        rate = f", {self.done / self.elapsed:.3g} a second" if self._rows and self.done else ""
         return f"{self.done} of {self.total} done{rate}{ahead}"
 
 
@@ -103,7 +78,7 @@ def watched(executor: Executor, jobs: Sequence[Job[T]], title: str) -> Generator
         yield from executor.run(jobs)
         return
     _say_what_is_forgotten()
-    tally = Tally(jobs, executor.at_once)
+    tally = Tally(jobs)
     with _shown(tally, title) as done, closing(executor.run(jobs, tally.watch)) as running:
         for outcome in running:
             tally.ended(outcome)
@@ -131,7 +106,7 @@ def _shown(tally: Tally, title: str) -> Iterator[Callable[[Outcome[Any]], None]]
         while not ended.wait(wait):
             at_work = tally.at_work()
             more = [f"{len(at_work) - _MOST_AT_WORK} more"] if len(at_work) > _MOST_AT_WORK else []
-            line = "; ".join([f"{title}: {tally} after {tally.elapsed}", *at_work[:_MOST_AT_WORK], *more])
+            line = "; ".join([f"{title}: {tally} after {span(tally.elapsed)}", *at_work[:_MOST_AT_WORK], *more])
             if in_place:
                 _write(f"{_ANEW}  {line[: shutil.get_terminal_size().columns - 3]}")
             else:
@@ -200,14 +175,6 @@ def _say(line: str) -> None:
 def _write(text: str) -> None:
     with contextlib.suppress(OSError, ValueError):  # nobody listens
         print(text, end="", file=sys.stderr, flush=True)
-
-
-#: Kind, function and engines of a job; the time that it takes depends on them.
-_Sort = tuple[str, str, tuple[str, ...]]
-
-
-def _sort(job: Job[Any]) -> _Sort:
-    return job.kind, getattr(job.function, "__qualname__", ""), job.engines
 
 
 def _line(job: Job[Any], progress: Progress | None) -> str:

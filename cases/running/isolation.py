@@ -275,13 +275,13 @@ class LocalProcesses:
     ) -> None:
         if at_once is not None and at_once < 1:
             raise ValueError(f"jobs={at_once}: at least 1 is needed")
-        self.at_once, self.quiet, self._preload = at_once or available_cores(), quiet, preload
+        self._at_once, self.quiet, self._preload = at_once or available_cores(), quiet, preload
         self.limits = limits or default_limits()
 
     def run(self, jobs: Sequence[Job[V]], watch: Watch | None = None) -> Generator[Outcome[V], None, None]:
         """See `cases.running.job.Executor`."""
         ended = threading.Event()
-        pool = ThreadPoolExecutor(self.at_once)
+        pool = ThreadPoolExecutor(self._at_once)
         try:
             yield from computed(
                 partial(pool.submit, isolated, limits=self.limits, watch=watch, stopped=ended.is_set, preload=self._preload), jobs

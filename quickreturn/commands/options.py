@@ -41,7 +41,7 @@ def command(*options: Option, **attributes: Any) -> Callable[[Callable[..., Any]
         @functools.wraps(function)
         def called(**own: Any) -> Any:
             call = console.call()
-            before = CHOSEN.set(call.computing)
+            before = CHOSEN.set(call)
             try:
                 return function(call, **own)
             finally:

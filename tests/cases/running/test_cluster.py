@@ -169,7 +169,7 @@ def test_a_study_is_the_same_bit_for_bit_where_a_worker_is_killed_in_the_middle(
         ended(started(scheduler.scheduler_address)),
         cluster(scheduler.scheduler_address) as executor,
     ):
-        until(lambda: executor.at_once == 2)
+        until(lambda: len(executor._client.nthreads()) == 2)
         killer = threading.Thread(target=kill)
         killer.start()
         there = qr.sweep("thesis-24", grid, workshop=Workshop(stores["there"], executor), quiet=True)
