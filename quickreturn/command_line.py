@@ -52,23 +52,9 @@ COMPLETION: Final = "_QUICKRETURN_COMPLETE"
 #: processor time.
 BLAS_THREADS: Final = "OPENBLAS_NUM_THREADS"
 
-#: Argument of a function, or the name of an error's class -> the option that gives it.
-OPTIONS: Final = {
-    "columns": "--column",
-    "decimal": "--decimal",
-    "free": "--free",
-    "measures": "--measure",
-    "overrides": "--set",
-    "path": "--path",
-    "samples": "--samples",
-    "separator": "--separator",
-    "skip": "--skip",
-    "units": "--units",
-    "vary": "--vary",
-    "OutputError": "--output",
-    "SettingError": "--set",
-    "UnknownEngine": "--engine",
-}
+#: Argument of a function -> the option that gives it, where that has another name; and name of an error's class -> the option at fault.
+OPTIONS: Final = {"columns": "--column", "measures": "--measure", "overrides": "--set"}
+AT_FAULT: Final = {"OutputError": "--output", "SettingError": "--set", "UnknownEngine": "--engine"}
 
 #: Errors of the system when there is no room to write.
 FULL: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
@@ -236,8 +222,8 @@ def _with_help(error: click.ClickException) -> str:
 def _sentences(error: ToldError) -> list[str]:
     """One sentence for each mistake, which names the option that is at fault, if one is."""
     if not isinstance(error, CaseError):
-        return [f"{OPTIONS.get(type(error).__name__, '')} {error}".lstrip()]
+        return [f"{AT_FAULT.get(type(error).__name__, '')} {error}".lstrip()]
     lines = str(error).splitlines()
     for name in {each.source for each in (error, *error.further) if isinstance(each.source, Argument)}:
-        lines = [f"{OPTIONS[name]}{line.removeprefix(name)}" if line.startswith(f"{name}: ") else line for line in lines]
+        lines = [f"{OPTIONS.get(name, f'--{name}')}{line.removeprefix(name)}" if line.startswith(f"{name}: ") else line for line in lines]
     return lines

@@ -106,13 +106,9 @@ class Call(Computing):
 
     def case(self, name: str | None = None) -> "Case":
         """A case, or the only one, with the values, times and units of the options."""
-        from quickreturn.cases.files.errors import CaseError, as_written
+        from quickreturn.cases.files.errors import CaseError
         from quickreturn.cases.library import load_case, with_times
 
-        for key, seconds in (("duration", self.duration), ("output_step", self.output_step)):
-            if seconds is not None and f"simulation.{key}" in self.overrides:
-                given = f"{_option(key)} ({seconds:g} s) and --set simulation.{key}={as_written(self.overrides[f'simulation.{key}'])}"
-                raise click.UsageError(f"{given} are both given; give one of them")
         case = load_case(self.cases[0] if name is None else name, self.overrides)
         if self.units is not None:
             case = case.in_units(self.units)
@@ -120,7 +116,7 @@ class Call(Computing):
         try:
             return with_times(case, self.duration, self.output_step)
         except CaseError as wrong:
-            raise CaseError("command line", _option(wrong.key or ""), wrong.value, wrong.problem, wrong.accepted) from None
+            raise CaseError("command line", f"--{wrong.key}".replace("_", "-"), wrong.value, wrong.problem, wrong.accepted) from None
 
     def _announce_compiling(self) -> None:
         """Say, once in a call, that an engine's first run compiles, if no compiled code is kept yet."""
@@ -213,7 +209,3 @@ def _one_line(sentence: str) -> str:
     text = "".join(sign if sign.isprintable() else sign.encode("unicode_escape").decode() for sign in joined)
     half = LONGEST_MESSAGE // 2
     return text if len(text) <= LONGEST_MESSAGE else f"{text[:half]} ... {text[-half:]}"
-
-
-def _option(key: str) -> str:
-    return f"--{key.replace('_', '-')}"

@@ -206,7 +206,6 @@ TYPED = [
     ("run example --engine reference --engine mujoco --set engine.tolerance=1e-6", ("--set engine.tolerance", "engine mujoco")),
     (f"{SIMULATE} --engine reference", ("--output out.csv", "{engine}")),
     (f"{SIMULATE} --duration '1.5 ms'", ("--duration", "0.0015", "whole multiple")),
-    (f"{SIMULATE} --duration 1 --set 'simulation.duration=1 s'", ("--duration", "--set simulation.duration")),
     (f"{OUTPUT} absent/out.csv", ("--output absent/out.csv", "no folder")),
     (f"{OUTPUT} small.toml", ("--output small.toml", "the case file itself")),
     (f"{OUTPUT} x.parquet", ("--output x.parquet", ".csv")),
