@@ -27,7 +27,6 @@ from quickreturn.cases.motion.cycle import EXTREMES, VIBRATION, ChannelMeasures,
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.estimates import MeasuredNumbers, mean_estimate
 from quickreturn.cases.motion.marching import columns_of
-from quickreturn.cases.motion.number import Consensus
 from quickreturn.cases.motion.request import STANDARD, Approach, Recording, Run
 from quickreturn.cases.motion.settling import AT_THE_END, GREATEST_NUMBER, TOLERANCE, Cycle, Settling, cut_cycles, on_common_grid
 from quickreturn.cases.motion.time_scale import CHANNELS, SAMPLES, TURN, time_scale
@@ -121,7 +120,6 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
         if left and not settled:
             remarks.append(_unsettled(settling, far, odd))
     unsettled = Ending.NOT_SETTLED if far else Ending.ASSUMED
-    measures, consensus = _measured(mechanism, last, recording.filtered, late)
     return Run(
         engine=table.name,
         method=table.declared.get("source", "recorded table"),
@@ -138,7 +136,7 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
             settling_error=settling.error_estimate if turn is None and math.isfinite(settling.error_estimate) else None,
             settling_errors=errors,
         ),
-        measured=MeasuredNumbers(measures=measures, consensus=consensus, unestimated=""),
+        measured=_measured(mechanism, last, recording.filtered, late),
         cycle=last,
     )
 
@@ -189,12 +187,11 @@ def _after_gaps(table: RecordedTable, cycles: list[Cycle]) -> tuple[list[Cycle],
         return cycles, []
     at, after = lacking[-1], len(cycles) - 1 - lacking[-1]
     most = LARGEST_GAP * float(cycles[-1].time[-1] - cycles[-1].time[0])
+    accepted = f"at most {most:.3g} s, {LARGEST_GAP} of a turn, are accepted"
     if (usual := float(np.median(np.diff(table.columns["time"])))) > most:
-        told, accepted = f"has a row every {usual:.3g} s", f"at most {most:.3g} s, {LARGEST_GAP} of a turn, are accepted"
-        raise CaseError(table.shown, "time", None, told, accepted)
+        raise CaseError(table.shown, "time", None, f"has a row every {usual:.3g} s", accepted)
     gap, since = float(np.max(steps[at])), float(cycles[at].time[np.argmax(steps[at])])
     if not after:
-        accepted = f"at most {most:.3g} s, {LARGEST_GAP} of a turn, are accepted"
         raise CaseError(table.shown, "time", None, f"{gap:.3g} s without a row after {since:.6g} s", accepted)
     turns = f"{len(lacking)} of its turns lack{'s' * (len(lacking) == 1)} rows for more than {most:.3g} s"
     return cycles[-after:], [f"{turns}: only the {after} turn{'s' * (after > 1)} after {cycles[at].time[-1]:.6g} s are used"]
@@ -244,8 +241,7 @@ def _rising(table: RecordedTable, time: Array, angle: Array) -> Array:
 
 
 def _settling(cycles: list[Cycle]) -> Settling:
-    settling = Settling()
-    names = _deciding_columns(cycles[0])
+    settling, names = Settling(), _deciding_columns(cycles[0])
     for cycle in cycles:
         settling.feed(Cycle(cycle.time, cycle.crank_angle, {name: cycle.channels[name] for name in names}))
     return settling
@@ -325,9 +321,7 @@ def _at_cuts(cycle: Mapping[str, Array], name: str, late: float) -> float:
     return float(np.max(np.abs(values - values[1])))
 
 
-def _measured(
-    mechanism: Mechanism, cycle: Mapping[str, Array], filtered: bool, late: float
-) -> tuple[tuple[ChannelMeasures, ...], tuple[Consensus, ...]]:
+def _measured(mechanism: Mechanism, cycle: Mapping[str, Array], filtered: bool, late: float) -> MeasuredNumbers:
     """Measures of every column that does not grow, and the consensus on the first mode's frequency.
 
     `late`: uncertainty of the instants at which the turn is cut into halves, s.
@@ -348,10 +342,8 @@ def _measured(
     for name in (name for name in cycle if name not in (*CHANNELS, *GROWING)):
         of_column = measure_cycle(None, time, angle, {name: cycle[name]}, filtered).measures
         measures += [replace(each, reason=NOTHING_TO_FIT, **_NONE_CLAIMED) for each in of_column]
-    estimates = (mean_estimate(measures, each.half) for each in of_cycle.consensus)
-    return tuple(measures), tuple(
-        replace(each, first_mode_frequency_estimate=estimate) for each, estimate in zip(of_cycle.consensus, estimates, strict=True)
-    )
+    consensus = (replace(each, first_mode_frequency_estimate=mean_estimate(measures, each.half)) for each in of_cycle.consensus)
+    return MeasuredNumbers(measures=tuple(measures), consensus=tuple(consensus), unestimated="")
 
 
 #: Error estimates of a table's measures: no error is claimed for its model.
