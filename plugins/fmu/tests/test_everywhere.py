@@ -26,21 +26,11 @@ samples = 8
 HANGS = ("mode = 0", "mode = 1")
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (("resonance", "case.toml"), "No such option: --engine (resonance follows the motion with reference alone); see"),
-        (("calibrate", "case.toml", "my.csv"), "No such option: --engine (calibrate computes with reference alone); see"),
-        (("advise", "case.toml"), "No such option: --engine (advise simulates nothing); see"),
-        (("show", "case.toml"), "No such option: --engine (show tells what each installed engine builds); see"),
-    ],
-)
-def test_what_has_no_place_for_an_fmu_says_why(
-    make_plain: Make, capfd: pytest.CaptureFixture[str], arguments: tuple[str, ...], words: str
-) -> None:
+@pytest.mark.parametrize("arguments", [("resonance", "case.toml"), ("calibrate", "case.toml", "my.csv"), ("advise", "case.toml")])
+def test_what_has_no_place_for_an_fmu_says_so(make_plain: Make, capfd: pytest.CaptureFixture[str], arguments: tuple[str, ...]) -> None:
     command, *rest = arguments
     assert main([command, *rest, "--engine", make_plain()]) == 2
-    assert capfd.readouterr().err.splitlines()[-1].startswith(f"quickreturn: {words}")
+    assert capfd.readouterr().err.splitlines()[-1].startswith("quickreturn: No such option: --engine")
 
 
 def test_python_takes_the_path_of_the_file_from_any_folder(make_plain: Make, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

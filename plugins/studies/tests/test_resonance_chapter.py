@@ -124,7 +124,7 @@ def test_motions_have_their_stability(motions: list[tuple[float, str]], words: l
 class Failing:
     """An executor on which no periodic motion is found."""
 
-    quiet, at_once, limits = True, 1, Limits()
+    quiet, limits = True, Limits()
 
     def run(self, jobs: Sequence[Job], watch: Watch | None = None) -> Generator[Outcome, None, None]:
         for job in jobs:
