@@ -329,7 +329,8 @@ class _RunInProgress:
             return {}
         multiplier = None
         if isinstance(state, FoundOrbit) and isinstance(self._settings, ReferenceSettings):
-            self._found, multiplier = state, self._multiplier(state)
+            self._found = state  # near which those that the multiplier is compared with are searched
+            multiplier = self._multiplier(state)
         orbit = PeriodicOrbit.of(state, multiplier)
         self.note("approach", periodic_orbit=orbit)
         if multiplier is not None:
