@@ -95,7 +95,7 @@ class _Outcome:
     def pytest_sessionfinish(self) -> None:
         from quickreturn.cases.running.key import code_fingerprint
         from quickreturn.cases.running.store import Store, write_atomically
-        from quickreturn.reports.page.content import FILE, PARTS
+        from quickreturn.reports.page.content import FILE
 
         passed = sum(row[2] == "passed" for row in self.rows)
         chapter = {
@@ -105,7 +105,7 @@ class _Outcome:
             "rows": sorted(self.rows, key=lambda row: (row[0], row[1])),
         }
         date = time.strftime("%Y-%m-%d %H:%M UTC", time.gmtime())
-        document = {"code": code_fingerprint(PARTS), "date": date, "chapters": [*self.chapters, chapter]}
+        document = {"code": code_fingerprint(), "date": date, "chapters": [*self.chapters, chapter]}
         write_atomically(Store().folder / FILE, json.dumps(document, indent=1).encode())
 
 

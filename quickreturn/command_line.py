@@ -15,7 +15,7 @@ import time
 from collections.abc import Sequence
 from functools import cache
 from types import FrameType
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 import click
 from click.shell_completion import CompletionItem, shell_complete
@@ -25,9 +25,6 @@ from quickreturn.commands.console import Call, ExitCode, tell
 from quickreturn.engines.plugins import entries as of_plugins
 from quickreturn.engines.plugins import found
 from quickreturn.reference_model.errors import EngineTrouble, ToldError
-
-if TYPE_CHECKING:
-    from quickreturn.cases.running.store import Store
 
 #: The commands in the order of `--help`: module of `quickreturn.commands`, and first sentence of the help. Those of plugins follow.
 COMMANDS: Final = {
@@ -55,30 +52,9 @@ COMPLETION: Final = "_QUICKRETURN_COMPLETE"
 #: processor time.
 BLAS_THREADS: Final = "OPENBLAS_NUM_THREADS"
 
-#: Argument of a function, or the name of an error's class -> the option that gives it.
-OPTIONS: Final = {
-    "columns": "--column",
-    "decimal": "--decimal",
-    "free": "--free",
-    "measures": "--measure",
-    "overrides": "--set",
-    "samples": "--samples",
-    "separator": "--separator",
-    "skip": "--skip",
-    "units": "--units",
-    "vary": "--vary",
-    "OutputError": "--output",
-    "SettingError": "--set",
-    "UnknownEngine": "--engine",
-}
-
-#: Commands that users expect to take an engine -> why they take none.
-NO_ENGINE: Final = {
-    "advise": "advise simulates nothing",
-    "calibrate": "calibrate computes with reference alone",
-    "resonance": "resonance follows the motion with reference alone",
-    "show": "show tells what each installed engine builds",
-}
+#: Argument of a function -> the option that gives it, where that has another name; and name of an error's class -> the option at fault.
+OPTIONS: Final = {"columns": "--column", "measures": "--measure", "overrides": "--set"}
+AT_FAULT: Final = {"OutputError": "--output", "SettingError": "--set", "UnknownEngine": "--engine"}
 
 #: Errors of the system when there is no room to write.
 FULL: Final = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
@@ -193,7 +169,10 @@ def _exit_code(arguments: list[str]) -> int:
     except (KeyboardInterrupt, click.Abort):
         with contextlib.suppress(ValueError):  # not the main thread
             signal.signal(signal.SIGINT, signal.SIG_IGN)  # only the exit remains
-        tell(_interruption(call.store))
+        go_on = "nothing is kept, the same command begins anew"
+        if call.store is not None:
+            go_on = f"what was finished is kept in {call.store.folder}; the same command goes on from there"
+        tell(f"interrupted; {go_on}")
         return ExitCode.INTERRUPTED
     except click.ClickException as error:
         tell(_with_help(error))
@@ -229,24 +208,11 @@ def _drop_output() -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-def _interruption(store: "Store | None") -> str:
-    """What is kept after Ctrl-C, and how to go on."""
-    if store is None:
-        return "interrupted; nothing is kept, the same command begins anew"
-    count, folder = store.written, store.folder
-    kept = f"{count} result{'s' * (count > 1)} of this call" if count else "no result was finished; those of earlier calls"
-    if pieces := 0 if count else store.pieces:
-        kept = f"no result was finished; {pieces} piece{'s' * (pieces > 1)} of what was begun"
-    return f"interrupted; {kept} {'is' if count == 1 or pieces == 1 else 'are'} kept in {folder}; the same command goes on from there"
-
-
 def _with_help(error: click.ClickException) -> str:
     """The message; click's own messages begin with a capital and do not say what is accepted, so the help is named."""
     message, context = error.format_message(), getattr(error, "ctx", None)
     if isinstance(error, click.NoSuchOption):
         near = f" (perhaps {error.possibilities[0]} is meant)" if error.possibilities else ""
-        if error.option_name == "--engine" and context is not None:
-            near = f" ({NO_ENGINE[context.info_name]})" if context.info_name in NO_ENGINE else near
         message = f"No such option: {shortened(error.option_name)}{near}"
     if context is None or not message[:1].isupper():
         return message
@@ -256,8 +222,8 @@ def _with_help(error: click.ClickException) -> str:
 def _sentences(error: ToldError) -> list[str]:
     """One sentence for each mistake, which names the option that is at fault, if one is."""
     if not isinstance(error, CaseError):
-        return [f"{OPTIONS.get(type(error).__name__, '')} {error}".lstrip()]
+        return [f"{AT_FAULT.get(type(error).__name__, '')} {error}".lstrip()]
     lines = str(error).splitlines()
     for name in {each.source for each in (error, *error.further) if isinstance(each.source, Argument)}:
-        lines = [f"{OPTIONS[name]}{line.removeprefix(name)}" if line.startswith(f"{name}: ") else line for line in lines]
+        lines = [f"{OPTIONS.get(name, f'--{name}')}{line.removeprefix(name)}" if line.startswith(f"{name}: ") else line for line in lines]
     return lines

@@ -1,6 +1,6 @@
 """Where and how jobs run, and the accuracies that a caller may choose."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
@@ -25,28 +25,33 @@ def checked(accuracy: float | None) -> float | None:
     return accuracy
 
 
-@dataclass(frozen=True)
+@dataclass
 class Computing:
-    """Where and how jobs run.
+    """Where and how jobs run. A command gives it limits, and tells what it does.
 
     Attributes:
         jobs: processes of this machine at a time; None: one per core.
         cluster: address of the Dask scheduler that distributes the jobs in place of this machine; None: there is none.
-        limits: time and memory that a job may take; None: the default ones.
         quiet: whether progress on standard error is left out.
-        tell: called with each notice of the store at once. Results of public functions carry the notices.
-        begun: called with the workshop, the cases and the engines before anything runs.
     """
 
     jobs: int | None = None
     cluster: str | None = None
-    limits: Limits | None = None
     quiet: bool = False
-    tell: Callable[[str], object] = lambda notice: None
-    begun: "Callable[[Workshop, Sequence[Case], Sequence[str]], object]" = lambda workshop, cases, engines: None
+
+    @property
+    def limits(self) -> Limits | None:
+        """Time and memory that a job may take; None: the default ones."""
+        return None
+
+    def tell(self, notice: str) -> None:
+        """Called with each notice of the store at once; results of public functions carry the notices."""
+
+    def begun(self, workshop: "Workshop", cases: "Sequence[Case]", engines: Sequence[str]) -> None:
+        """Called before anything runs."""
 
 
-#: What a command has chosen by its options; None: a public function was called from Python, and its arguments count.
+#: The command that is called; None: a public function was called from Python, and its arguments count.
 CHOSEN: ContextVar[Computing | None] = ContextVar("CHOSEN", default=None)
 
 
@@ -64,7 +69,7 @@ def workshop(jobs: int | None, quiet: bool, cases: "Sequence[Case]" = (), engine
 
     how = CHOSEN.get() or Computing(jobs, quiet=quiet)
     store = Store(tell=how.tell)
-    if how.cluster is None:
+    if not how.cluster:
         opened = Workshop(store, LocalProcesses(how.jobs, how.limits, quiet=how.quiet))
         how.begun(opened, cases, engines)
         yield opened

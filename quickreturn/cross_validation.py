@@ -125,16 +125,14 @@ class CrossValidation(Printable):
         return framed(Trajectory(dict(columns), 0.0), case=case, engine=engine)
 
     def plot(self, *columns: str) -> "Drawing":
-        """Draw the last cycles of all engines over each other, a row of panels for each case; without columns the tip's acceleration.
+        """Draw the last cycles of all engines over each other, a panel for each case and column; without columns the tip's acceleration.
 
         Raises:
             UnknownColumn: there is none of this name.
         """
-        from quickreturn.reports.drawing.curves import stacked
+        from quickreturn.reports.drawing.cycle import draw
 
-        chosen = [known_column(name, COLUMNS) for name in columns] or ["tip_acceleration"]
-        cycles = {result.case.name: {name: run.cycle for name, run in result.runs.items() if run.cycle} for result in self.results}
-        return stacked(cycles, chosen)
+        return draw(self.results, [known_column(name, COLUMNS) for name in columns] or ["tip_acceleration"])
 
     def _parts(self) -> Iterator[Cell]:
         for result in self.results:

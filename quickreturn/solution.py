@@ -159,8 +159,7 @@ class Solution(Printable):
         """
         from quickreturn.reports.drawing.mechanism import moving
 
-        place = Path(path)
-        check_writable(place, "", ".webp", ".html")
+        check_writable(place := Path(path), "", ".webp", ".html")
         write_file(place, moving(self.case, {self.engine: self.trajectory}, place.suffix.lower(), magnify))
 
     def rows(self, kept: str = "", notes: str = "its `notes`") -> Iterator[tuple[str, Cell]]:
@@ -209,10 +208,11 @@ class Solution(Printable):
             if column == "tip_deflection" and relative is None and result.error_estimate is not None:
                 relative, size, words = result.error_estimate, self.case.scene.follower.length, "tip's place"
             about = "; ".join(filter(None, (wanted, remark))) if column == "tip_deflection" else ""
-            rows.append((words, _digits(relative), "" if relative is None else unit.text(relative * size, ".1e"), about))
+            sizes = ("unknown", "") if relative is None else (f"{relative:.1e}", unit.text(relative * size, ".1e"))
+            rows.append((words, *sizes, about))
         for words, columns in (("moments", BENDING), ("normal forces", AXIAL), ("bearings", BEARINGS)):
             if estimates := [estimate for column in columns if (estimate := result.error_estimates.get(column)) is not None]:
-                rows.append((words, _digits(max(estimates)), "", "at most"))
+                rows.append((words, f"{max(estimates):.1e}", "", "at most"))
         return name, Rows(rows, ("of", "relative", "RMS", ""))
 
     def _parts(self) -> Iterator[Cell]:
@@ -307,16 +307,8 @@ def request_of(
     case: Case, engine: "str | AnyEngine", settings: dict[str, str], accuracy: float | None, estimate: bool, time_limit: float | None
 ) -> TrajectoryRequest:
     """The request for a case's trajectory from the standard start; arguments as of `simulate`."""
-    return TrajectoryRequest(
-        scene=case.scene,
-        duration=case.duration,
-        output_step=case.output_step,
-        engine=engine,
-        settings=settings,
-        accuracy=accuracy,
-        estimate=estimate,
-        time_limit=time_limit,
-    )
+    how: dict[str, Any] = {"settings": settings, "accuracy": accuracy, "estimate": estimate, "time_limit": time_limit}
+    return TrajectoryRequest(scene=case.scene, duration=case.duration, output_step=case.output_step, engine=engine, **how)
 
 
 def value_here(job: Job[T], store: Store | None) -> tuple[T, bool]:
@@ -355,7 +347,3 @@ def as_csv(trajectory: Trajectory) -> bytes:
     names = [name for name in COLUMNS if name in trajectory.columns]
     rows = zip(*(trajectory[name].tolist() for name in names), strict=True)
     return "".join(f"{','.join(line)}\n" for line in ([*names], *(map(repr, row) for row in rows))).encode("ascii")
-
-
-def _digits(estimate: float | None) -> str:
-    return "unknown" if estimate is None else f"{estimate:.1e}"

@@ -223,10 +223,8 @@ def parts_of_tables(result: CaseResult, tables: Sequence[TableComparison]) -> li
             for name in columns
         ]
         rows = [[f"  {name}", *row] for name, row in zip(columns, cells, strict=True)]
-        parts += [
-            "  RMS difference in this turn, over the engine's RMS, and the crank angle at which it is largest:",
-            Rows(rows, ("", *heads)),
-        ]
+        what = "  RMS difference in this turn, over the engine's RMS, and the crank angle at which it is largest:"
+        parts += [what, Rows(rows, ("", *heads))]
     return [*parts, *(f"  {table.name}: {sentence}" for table in tables for sentence in table.explanations.values())]
 
 
@@ -304,9 +302,8 @@ def as_table(given: AnyTable, name: str = "table", form: Form = PLAIN) -> Record
         case = getattr(given, "attrs", {}).get("case")
         columns = {heading: given[heading] for heading in given.keys()}  # noqa: SIM118
         return table_of(_index_as_time(given) | columns, name, case if isinstance(case, str) else None)
-    raise CaseError(
-        name, None, None, f"{type(given).__name__} is no table", "give a path, a DataFrame, a dictionary of arrays or a solution"
-    )
+    accepted = "give a path, a DataFrame, a dictionary of arrays or a solution"
+    raise CaseError(name, None, None, f"{type(given).__name__} is no table", accepted)
 
 
 def _index_as_time(given: Any) -> dict[str, Any]:

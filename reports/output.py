@@ -141,11 +141,10 @@ def _resolved(path: Path) -> Path:
     try:
         os.fsencode(path)
         return path.resolve()
-    except (OSError, RuntimeError, ValueError) as error:  # a loop of links, a null byte, no such character
-        if isinstance(error, OSError):
-            raise _output_error(path, error) from error
-        reason = "its links lead in a circle" if isinstance(error, RuntimeError) else "it holds characters that no file name can hold"
-        raise OutputError(f"{_shown(path)}: this is no usable path ({reason})") from error
+    except OSError as error:
+        raise _output_error(path, error) from error
+    except (RuntimeError, ValueError) as error:
+        raise OutputError(f"{_shown(path)}: this is no usable path (a loop of links, or no name of a file)") from error
 
 
 def _is_special(path: Path) -> bool:

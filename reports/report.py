@@ -18,7 +18,6 @@ from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.recorded import RecordedTable
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.number import SAYS_NOTHING
-from quickreturn.cases.motion.request import Run
 from quickreturn.cases.motion.steady_state import steady_state
 from quickreturn.cases.running.isolation import available_cores
 from quickreturn.cases.running.key import code_of
@@ -88,35 +87,16 @@ class Written:
     tables: tuple[Table, ...]  # those written as CSV files beside the page
 
     @property
-    def unusable(self) -> list[tuple[str, Run]]:
-        """Recorded tables that cannot be compared in the steady state, with their cases."""
-        return [(result.case.name, run) for result in self.content.results for run in result.recorded.values() if not run.usable]
-
-    @property
-    def incomplete(self) -> list[tuple[str, Run]]:
-        """Runs that an engine did not complete. Studies change a case on purpose, so the page reports their failures instead."""
-        return [(case, run) for case, run in self.content.troubles if run.ending.incomplete]
-
-    @property
-    def inaccurate(self) -> list[tuple[str, Run]]:
-        """Runs whose own estimates miss the accuracy asked, with their cases."""
-        return [(case, run) for case, run in self.content.troubles if run.status == Ending.INACCURATE]
-
-    @property
-    def failed(self) -> bool:
-        """Whether an engine did not complete a case or missed its accuracy, or a table cannot be used: as in `run`."""
-        return bool(self.unusable or self.incomplete or self.inaccurate)
-
-    @property
     def summary(self) -> str:
         """Lines: the page, what was simulated and how it ended, where engines differ, and the number of tables."""
         content = self.content
         runs = sum(len(result.runs) for result in content.results)
         made = f"{counted(len(content.results), 'case')}, {counted(runs, 'simulation')}".replace(TIED, " ")
-        neutral = sum(run.status == Ending.NEUTRAL for _, run in content.troubles)
-        further = f", {neutral} neutral" if neutral else ""
-        missed = f", {len(self.inaccurate)} missed their accuracy" if self.inaccurate else ""
-        ended = f"{made}: {runs - len(content.troubles)} settled{further}{missed}, {len(self.incomplete)} did not complete"
+        endings = [run.ending for _, run in content.troubles]
+        told = {"neutral": endings.count(Ending.NEUTRAL), "missed their accuracy": endings.count(Ending.INACCURATE)}
+        others = "".join(f", {count} {words}" for words, count in told.items() if count)
+        incomplete = sum(ending.incomplete for ending in endings)
+        ended = f"{made}: {runs - len(endings)} settled{others}, {incomplete} did not complete"
         return "\n".join((str(self.page), ended, _verdict(content.results), f"{len(self.tables)} tables as CSV beside the page"))
 
 

@@ -40,14 +40,14 @@ cases.motion: cycle drifting_fit extremes first_mode moving_mode number time_sca
 cases.running: display job key store workshop
 """
 #: Lines of the kernel at most, everything counted.
-LARGEST_KERNEL = 9_000
+LARGEST_KERNEL = 8_820
 #: Room -> lines of code at most: blank lines, comments, docstrings and imports do not count, nor do tests.
 BUDGETS = {
     "reference_model": 5_887,
     "engines": 4_350,
-    "cases": 6_085,
-    "reports": 2_270,
-    "quickreturn": 1_905,
+    "cases": 5_910,
+    "reports": 2_210,
+    "quickreturn": 1_840,
     "pack": 90,
     "plugins/as_built": 305,
     "plugins/conform": 935,

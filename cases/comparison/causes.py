@@ -213,7 +213,8 @@ class _Column:
 
     def _linear(self, engine: str) -> list[Explanation]:
         expected, one, since = self.expected(), np.ones_like(self.time), self.time - self.time[0]
-        factor = float(self.recorded @ expected / (expected @ expected))
+        known = np.isfinite(expected)  # rounding may put the first or the last row outside the engine's turn
+        factor = float(self.recorded[known] @ expected[known] / (expected[known] @ expected[known]))
         (offset,), left = self.fit(expected, [one])
         (_, slope), left_of_drift = self.fit(expected, [one, since])
         tries = [

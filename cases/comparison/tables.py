@@ -27,7 +27,6 @@ from quickreturn.cases.motion.cycle import EXTREMES, VIBRATION, ChannelMeasures,
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.estimates import MeasuredNumbers, mean_estimate
 from quickreturn.cases.motion.marching import columns_of
-from quickreturn.cases.motion.number import Consensus
 from quickreturn.cases.motion.request import STANDARD, Approach, Recording, Run
 from quickreturn.cases.motion.settling import AT_THE_END, GREATEST_NUMBER, TOLERANCE, Cycle, Settling, cut_cycles, on_common_grid
 from quickreturn.cases.motion.time_scale import CHANNELS, SAMPLES, TURN, time_scale
@@ -83,7 +82,7 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
         evenly = case.units.of("rad/s").text(speed, ".6g")
         remarks.append(f"no crank_angle was recorded: the crank is taken to turn evenly at {evenly}, from {start:.6g} deg at time 0")
         if abs(first := float(columns["time"][0])) * crank_pace(mechanism) > 2.0 * math.pi * LARGEST_GAP:
-            remarks.append(f"if it is there in the first row, at {first:.6g} s, {_from_zero(table)}")
+            remarks.append(f"if it is there in the first row, at {first:.6g} s, {table.without('time', first)}")
     elif "crank_angle" in table.unwrapped:  # which turn it is in, the wrapped angle does not say
         _check_turns(table, columns["time"], crank_pace(mechanism))
         turns = round((mechanism.crank.initial_angle - float(columns["crank_angle"][0])) / (2.0 * math.pi))
@@ -98,9 +97,7 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
     remarks += missing
     drifts = {} if begun else _drifts(cycles)
     if left := [name for name in _deciding_columns(cycles[0]) if name not in drifts]:
-        cycles = [
-            replace(cycle, channels={name: cycle.channels[name] for name in cycle.channels if name not in drifts}) for cycle in cycles
-        ]
+        cycles = [replace(cycle, channels={name: each for name, each in cycle.channels.items() if name not in drifts}) for cycle in cycles]
     for name, slope in drifts.items():
         unit = case.units.of(COLUMNS[name].unit)
         told = f"{name} does not repeat: it drifts by {unit.text(slope, '.3g')} a second{' and is left out' if left else ''}"
@@ -113,7 +110,6 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
         remarks.append(f"its first row is not that of the standard start: {odd}")
     last = columns_of(cycles[-1])
     turn = _turn_number(mechanism, last["crank_angle"]) if begins and left and not settled else None
-    gap = float(np.max(np.diff(last["time"])))
     recording = Recording(table.shown, len(columns["time"]), table.declared, table.of_experiment, late, table.told)
     counted = columns["time"] >= cycles[0].time[0] if missing else slice(None)
     angle_noise = scatter(columns["time"][counted], columns["crank_angle"][counted])
@@ -122,9 +118,8 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
     if turn is None:
         errors = {name: error + _change(cycles, settling, name) for name, error in errors.items()}
         if left and not settled:
-            remarks.append(_unsettled(table, settling, far, odd))
+            remarks.append(_unsettled(settling, far, odd))
     unsettled = Ending.NOT_SETTLED if far else Ending.ASSUMED
-    measures, consensus = _measured(mechanism, last, recording.filtered, gap, late)
     return Run(
         engine=table.name,
         method=table.declared.get("source", "recorded table"),
@@ -141,7 +136,7 @@ def recorded_run(table: RecordedTable, case: Case) -> Run:
             settling_error=settling.error_estimate if turn is None and math.isfinite(settling.error_estimate) else None,
             settling_errors=errors,
         ),
-        measured=MeasuredNumbers(measures=measures, consensus=consensus, unestimated=""),
+        measured=_measured(mechanism, last, recording.filtered, late),
         cycle=last,
     )
 
@@ -155,11 +150,7 @@ def _check_pace(table: RecordedTable, columns: Mapping[str, Array], mechanism: M
     if (angle[-1] - angle[0]) * mean_crank_speed(mechanism) < 0.0:
         told = f"runs from {angle[0]:.6g} to {angle[-1]:.6g} rad, but the drive of {case} turns the crank the other way"
         raise CaseError(table.shown, "crank_angle", None, told, "angles count counter-clockwise")
-    if "crank_angle" in table.columns:
-        ratio = abs(float(angle[-1] - angle[0])) / float(time[-1] - time[0]) / pace  # of the table's crank speed to the drive's
-    else:  # the angle was computed from the drive's speed, so that only the number of rows in a turn can be wrong
-        turns = pace * float(np.median(np.diff(time))) / (2.0 * math.pi)  # from row to row
-        ratio = 1.0 if turns < LARGEST_GAP else 1e3  # far beyond OFF
+    ratio = abs(float(angle[-1] - angle[0])) / float(time[-1] - time[0]) / pace  # of the table's crank speed to the drive's
     steps = np.abs(np.diff(angle))
     usual = float(np.median(steps[steps > 0.0])) if np.any(steps > 0.0) else 0.0  # an encoder may stand still from row to row
     jumps = np.where(steps > OFF * pace * np.diff(time), steps, 0.0)  # where rows are missing, the crank turned on
@@ -169,17 +160,9 @@ def _check_pace(table: RecordedTable, columns: Mapping[str, Array], mechanism: M
         raise CaseError(table.shown, "crank_angle", None, told, "let it run on from turn to turn, and leave no gaps in time")
     if 1.0 / OFF <= ratio <= OFF:
         return
-    told = f"a turn of the crank takes {_turn_time(ratio * pace)} s in it, but the drive of {case} turns it in {_turn_time(pace)} s"
+    turn = 2.0 * math.pi / pace
+    told = f"a turn of the crank takes {turn / ratio if ratio else math.inf:.3g} s in it, but the drive of {case} turns it in {turn:.3g} s"
     raise CaseError(table.shown, "time, crank_angle", None, told, "check their units (none: SI), or give the case the drive of the table")
-
-
-def _turn_time(pace: float) -> str:
-    return f"{2.0 * math.pi / pace:.3g}" if pace > 0.0 else "for ever"
-
-
-def _from_zero(table: RecordedTable) -> str:
-    """How to let a table's time begin at 0."""
-    return table.without("time", float(table.columns["time"][0]))
 
 
 def _rows_before_gap(time: Array, pace: float) -> int:
@@ -204,12 +187,11 @@ def _after_gaps(table: RecordedTable, cycles: list[Cycle]) -> tuple[list[Cycle],
         return cycles, []
     at, after = lacking[-1], len(cycles) - 1 - lacking[-1]
     most = LARGEST_GAP * float(cycles[-1].time[-1] - cycles[-1].time[0])
+    accepted = f"at most {most:.3g} s, {LARGEST_GAP} of a turn, are accepted"
     if (usual := float(np.median(np.diff(table.columns["time"])))) > most:
-        told, accepted = f"has a row every {usual:.3g} s", f"at most {most:.3g} s, {LARGEST_GAP} of a turn, are accepted"
-        raise CaseError(table.shown, "time", None, told, accepted)
+        raise CaseError(table.shown, "time", None, f"has a row every {usual:.3g} s", accepted)
     gap, since = float(np.max(steps[at])), float(cycles[at].time[np.argmax(steps[at])])
     if not after:
-        accepted = f"at most {most:.3g} s, {LARGEST_GAP} of a turn, are accepted"
         raise CaseError(table.shown, "time", None, f"{gap:.3g} s without a row after {since:.6g} s", accepted)
     turns = f"{len(lacking)} of its turns lack{'s' * (len(lacking) == 1)} rows for more than {most:.3g} s"
     return cycles[-after:], [f"{turns}: only the {after} turn{'s' * (after > 1)} after {cycles[at].time[-1]:.6g} s are used"]
@@ -259,8 +241,7 @@ def _rising(table: RecordedTable, time: Array, angle: Array) -> Array:
 
 
 def _settling(cycles: list[Cycle]) -> Settling:
-    settling = Settling()
-    names = _deciding_columns(cycles[0])
+    settling, names = Settling(), _deciding_columns(cycles[0])
     for cycle in cycles:
         settling.feed(Cycle(cycle.time, cycle.crank_angle, {name: cycle.channels[name] for name in names}))
     return settling
@@ -302,17 +283,14 @@ def _is_far(settling: Settling, last: Cycle) -> bool:
     return outlook.change > max((FAR, *noise))
 
 
-def _unsettled(table: RecordedTable, settling: Settling, far: bool, odd: str) -> str:
+def _unsettled(settling: Settling, far: bool, odd: str) -> str:
     """A remark on a table that has not settled."""
     if settling.cycles == 1:
         return "it holds one turn, which is taken to repeat"
     outlook = settling.outlook
     change = f"its last turn differs from the one before by {outlook.change:.2g} of the signals' RMS"
     if far:
-        anew = (
-            f"; if its first row is that start, {_from_zero(table)}" if odd.startswith("time ") and "crank_angle" in table.columns else ""
-        )
-        return f"{change}, and it does not begin in the standard start{odd and f' ({odd})'}; record longer, or from there{anew}"
+        return f"{change}, and it does not begin in the standard start{odd and f' ({odd})'}; record longer, or from there"
     return f"{change}{'' if outlook.change and outlook.change < TOLERANCE else ': noise, or not quite settled'}"
 
 
@@ -343,15 +321,13 @@ def _at_cuts(cycle: Mapping[str, Array], name: str, late: float) -> float:
     return float(np.max(np.abs(values - values[1])))
 
 
-def _measured(
-    mechanism: Mechanism, cycle: Mapping[str, Array], filtered: bool, gap: float, late: float
-) -> tuple[tuple[ChannelMeasures, ...], tuple[Consensus, ...]]:
+def _measured(mechanism: Mechanism, cycle: Mapping[str, Array], filtered: bool, late: float) -> MeasuredNumbers:
     """Measures of every column that does not grow, and the consensus on the first mode's frequency.
 
-    `gap`: largest distance of rows, s; `late`: uncertainty of the instants at which the turn is cut into halves, s.
+    `late`: uncertainty of the instants at which the turn is cut into halves, s.
     """
     time, angle = cycle["time"], cycle["crank_angle"]
-    scale, reason = time_scale(mechanism), ""
+    scale, reason, gap = time_scale(mechanism), "", float(np.max(np.diff(time)))
     if scale is not None:
         largest = 1.0 / float(np.max(scale.frequencies(TURN)[:, 0])) / ROWS_PER_PERIOD
         if gap > largest:
@@ -366,10 +342,8 @@ def _measured(
     for name in (name for name in cycle if name not in (*CHANNELS, *GROWING)):
         of_column = measure_cycle(None, time, angle, {name: cycle[name]}, filtered).measures
         measures += [replace(each, reason=NOTHING_TO_FIT, **_NONE_CLAIMED) for each in of_column]
-    estimates = (mean_estimate(measures, each.half) for each in of_cycle.consensus)
-    return tuple(measures), tuple(
-        replace(each, first_mode_frequency_estimate=estimate) for each, estimate in zip(of_cycle.consensus, estimates, strict=True)
-    )
+    consensus = (replace(each, first_mode_frequency_estimate=mean_estimate(measures, each.half)) for each in of_cycle.consensus)
+    return MeasuredNumbers(measures=tuple(measures), consensus=tuple(consensus), unestimated="")
 
 
 #: Error estimates of a table's measures: no error is claimed for its model.

@@ -26,7 +26,6 @@ _WORDS: Final = {"phi": "angle", "theta": "angle", "w": "speed", "omega": "speed
 IGNORED: Final = "-"  # in place of a column
 #: Member of a `Form` -> the signs that it accepts.
 _OF_FORM: Final[Mapping[str, tuple[str, ...]]] = {"separator": (*NAMED, *SEPARATORS), "decimal": (".", ","), "skip": ()}
-_DIGITS: Final = re.compile(r"\d+$")
 _NUMBER: Final = r"\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?"
 _TARGET: Final = re.compile(
     rf"([+-])?\s*(?:({_NUMBER})\s*\*\s*)?(\w+)\s*(?:\[([^\]]*)\])?\s*(?:([+-])\s*({_NUMBER})(?!\s*\*|[\d.]))?"
@@ -175,23 +174,11 @@ def _target(source: str, heading: str, text: object) -> Target:
     return Target(column, unit if unit is None else unit.strip(), factor, offset, drift)
 
 
-def own_name(heading: str, headings: Sequence[str]) -> Target | None:
+def own_name(heading: str) -> Target | None:
     """The column that a heading names, however it writes capitals and blanks; None: none of a trajectory."""
     name, unit = name_and_unit(heading)
-    column = _as_column(name)
-    if counts_from_zero(column, headings):
-        column = _DIGITS.sub(lambda number: f"{int(number[0]) + 1:0{len(number[0])}d}", column)
+    column = re.sub(r"[\s_-]+", "_", name.strip().lower())
     return Target(column, unit) if column in COLUMNS else None
-
-
-def counts_from_zero(column: str, headings: Sequence[str]) -> bool:
-    """Whether headings count the columns of a kind, such as strain_1 to strain_3, from 0."""
-    first = _DIGITS.sub(lambda number: "0" * len(number[0]), column)
-    return bool(_DIGITS.search(column)) and first in {_as_column(re.split(r"[\[(]", each)[0]) for each in headings}
-
-
-def _as_column(name: str) -> str:
-    return re.sub(r"[\s_-]+", "_", name.strip().lower())
 
 
 def columns_used(written: TableText, mapping: ColumnMapping) -> tuple[list[UsedColumn], list[str]]:
@@ -206,7 +193,7 @@ def columns_used(written: TableText, mapping: ColumnMapping) -> tuple[list[UsedC
         number, heading = str(place + 1), "" if headings is None else headings[place]
         name, unit = name_and_unit(heading)
         given = [targets.pop(each) for each in [*targets] if each in (number, *filter(None, (heading, name)))]  # an option after the file
-        target = given[-1] if given else own_name(heading, headings or ())
+        target = given[-1] if given else own_name(heading)
         if target is None or target.column == IGNORED:
             is_unknown = target is None and headings is not None and _is_misspelt(name, heading, unit)
             (unknown if is_unknown else ignored).append(heading or f"column {number}")

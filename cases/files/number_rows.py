@@ -28,7 +28,6 @@ _COMMENTS: Final = ("#", "%", "!")
 #: What to do about a table that cannot be read.
 ADVICE: Final = "say how it is written by --separator, --decimal or --skip LINES (in Python separator=, decimal=, skip=)"
 _NUMBER: Final = re.compile(r"[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?")
-_NUMBER_WITH_UNIT: Final = re.compile(rf"{_NUMBER.pattern}\s+([^\W\d]+)")
 _BEGINS_AS_NUMBER: Final = re.compile(r"[+-]?[.,]?\d|[+-]?(nan|inf)", re.IGNORECASE)
 #: A comma in a number that does not separate thousands, and one that may.
 _DECIMAL_COMMA: Final = re.compile(r"(?<![\d.,])[+-]?(0\d*|\d{4,})?,\d|(?<=\d),(\d{1,2}|\d{4,})(?!\d)")
@@ -86,7 +85,6 @@ class TableText:
     separator: str = ","  # sign between columns
     decimal: str | None = "."  # the decimal sign; None: the numbers show it
     advice: str = ADVICE  # what to do if it cannot be read
-    units: tuple[str, ...] = ()  # of each column's cells, where numbers have a unit behind them, otherwise ""
 
     @property
     def width(self) -> int:
@@ -108,7 +106,6 @@ class TableText:
         values, lines, lacking, before, width = array("d"), list[int](), 0, -math.inf, self.width
         decimal, rises = self.decimal or _decimal(self.source, self.rows, self.advice), names.index(rising)
         swap = str.maketrans(",.", ".,") if decimal == "," else {}
-        units = [self.units[place] if self.units else "" for place in places]
         for number, line in self.rows:
             cells = _split(line, self.separator)
             if not any(cells):
@@ -116,7 +113,7 @@ class TableText:
             if len(cells) < width or any(cells[width:]):
                 problem = f"has cells of {len(cells)} columns, the headings are those of {width}"
                 raise CaseError(self.source, f"line {number}", f'"{shortened(line)}"', problem, self.advice)
-            row = [_number(cells[place].removesuffix(unit), swap) for place, unit in zip(places, units, strict=True)]
+            row = [_number(cells[place], swap) for place in places]
             for name, place, value in zip(names, places, row, strict=True):
                 if math.isinf(value):
                     accepted = f"leave out the row or the column, or {self.advice}"
@@ -169,17 +166,11 @@ def table_text(source: str, text: str, form: Form = PLAIN, advice: str = ADVICE)
     if headings and any(below) and len(below) - len(headings) in (0, 1) and not any(_BEGINS_AS_NUMBER.match(cell) for cell in below):
         rows, noted = rows[1:], "units in the second row"
         headings = [_headed(source, place, heading, unit.strip("[]() ")) for heading, unit in zip(headings, below, strict=False)]
-        below = _split(rows[0][1], separator) if rows else []
-    units = tuple(match[3] if (match := _NUMBER_WITH_UNIT.fullmatch(cell)) else "" for cell in below)
-    if headings and any(units):
-        headings = [_headed(source, place, heading, unit) for heading, unit in zip(headings, units, strict=False)]
-    told += [*[noted] * bool(noted), *["units in the cells"] * any(units)]
+    told += [noted] * bool(noted)
     if any("=" not in line for _, line in comments):
         told.append(f"{len(comments)} comment line{'s' * (len(comments) > 1)}")
     decimal = "." if separator == "," else form.decimal
-    return TableText(
-        source, tuple(headings) or None, place, rows, tuple(comments), tuple(told), separator, decimal, advice, units if any(units) else ()
-    )
+    return TableText(source, tuple(headings) or None, place, rows, tuple(comments), tuple(told), separator, decimal, advice)
 
 
 def _separator(line: str) -> str:

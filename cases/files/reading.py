@@ -5,8 +5,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final, NamedTuple
 
-import numpy as np
-
 from quickreturn.cases.files import units
 from quickreturn.cases.files.document import Document, header_of, with_changes
 from quickreturn.cases.files.errors import CaseError, as_written, attempted, together
@@ -14,10 +12,8 @@ from quickreturn.cases.files.keys import PATHS, PLUS_MINUS, SECTIONS, Written, d
 from quickreturn.cases.files.units import QuantityError
 from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.follower import Follower
-from quickreturn.reference_model.mechanism import Mechanism, Scene
-from quickreturn.reference_model.rigid import rigid_motion
+from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.scene_values import MissingQuantity, Value, misfits_of_keys, replaced_by, scene_of
-from quickreturn.reference_model.spring import Spring, pull_of, spring_tension
 from quickreturn.reference_model.tip import ForceTable
 
 #: Least and largest usual length of a follower, m: a watch's lever and a crane's jib.
@@ -30,8 +26,6 @@ _MODULI: Final = (0.5e9, 1.5e12)
 _METAL_DENSITY, _METAL_MODULUS = 2500.0, 10e9
 #: Largest usual mass of a tip, as a multiple of the follower's.
 _HEAVIEST_TIP: Final = 5.0
-#: Number of crank angles in a turn at which a spring's length is looked at.
-_ANGLES: Final = 181
 #: Largest usual crank speed, rad/s (19,000 rpm): only spindles turn faster.
 _FASTEST: Final = 2e3
 
@@ -51,24 +45,7 @@ def doubts(scene: Scene) -> Iterator[str]:
         )
     if crank is not None and abs(crank.drive.initial_speed) > _FASTEST:
         found.append(f"the crank turns at {abs(crank.drive.initial_speed) / units.in_si('rpm'):.6g} rpm")
-    if scene.crank is not None and (spring := scene.acting_spring) is not None and spring.stop_stiffness > 0.0:
-        found += _of_stops(scene, spring)
     yield from (f"{each}: is that meant?" for each in found)
-
-
-def _of_stops(scene: Mechanism, spring: Spring) -> Iterator[str]:
-    """A stop that the rigid machine never leaves: the place on the arm that it holds is held all turn."""
-    turn = rigid_motion(scene, np.linspace(0.0, 2.0 * np.pi, _ANGLES), 0.0)
-    place = scene.pivot_distance + spring.place_on(scene.follower.length) * np.exp(1j * turn.follower_angle)
-    length = pull_of(spring, place, 0.0 * place).length
-    low, high, law = float(length.min()), float(length.max()), spring.law
-    for key, engaged, way in (("longest", low > law.longest, high - law.longest), ("shortest", high < law.shortest, law.shortest - low)):
-        if engaged:
-            force = abs(spring_tension(high if key == "longest" else low, 0.0, law))
-            yield (
-                f"spring.{key} is {getattr(law, key):.6g} m, and the spring is {low:.4g} to {high:.4g} m long over the turn: the stop never"
-                f" lets go, is up to {way:.3g} m engaged, and makes a force of {force:.4g} N on a stiff arm"
-            )
 
 
 def _of_follower(follower: Follower) -> Iterator[str]:

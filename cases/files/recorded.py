@@ -21,11 +21,9 @@ from quickreturn.cases.files.column_mapping import (
     Target,
     UsedColumn,
     columns_used,
-    counts_from_zero,
     mapping_of,
     own_name,
     suggested,
-    unit_in,
 )
 from quickreturn.cases.files.errors import CaseError, as_written, path_shown, printable
 from quickreturn.cases.files.instants import gaps, single_instants
@@ -128,7 +126,6 @@ def read_table(
 
     table = _table(printable(os.path.basename(path)), path, values, declared, refusal)
     told = [*written.told, *["decimal comma"] * (found.decimal == ","), *([f"columns by {mapping.file}"] if mapping.file else [])]
-    told += ["names counted from 0"] if any(counts_from_zero(name, written.headings or ()) for name in by_name) else []
     told += [f"{found.lacking:,} row{'s' * (found.lacking > 1)} with an empty cell left out"] if found.lacking else []
     told += [f"{name} made continuous" for name in sorted(table.unwrapped)]
     told += table.noted
@@ -165,9 +162,7 @@ def suggested_mapping(
     for number, heading in enumerate(headings):
         target = mapping.targets.get(heading) or mapping.targets.get(str(number + 1)) if heading else None
         if target is None and written.headings is not None:
-            target = own_name(heading, headings)
-            if target is not None and target.unit and not unit_in(heading, target.column):
-                target = None
+            target = own_name(heading)
         if target is not None and target.column != IGNORED:
             offset = f" {'-' if target.offset < 0 else '+'} {abs(target.offset)!r}" if target.offset else ""
             unit = f" [{target.unit}]" if target.unit is not None else ""

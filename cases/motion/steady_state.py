@@ -10,8 +10,7 @@ the slider rattles between its rollers, the last thirty are measured, and means 
 
 The runs by which the engine estimates its error (`Comparison`) are compared after as many cycles from the same start: from the orbit the
 last cycle of the error estimate, which needs no further simulation, otherwise the last cycle. They show the effect of the settings on each
-measure of the cycle (`cases.motion.estimates`). In a rattling motion they begin where the run itself has ended, if its engine can tell its
-state.
+measure of the cycle (`cases.motion.estimates`). In a rattling motion they begin where the run itself has ended, if its engine can tell.
 """
 
 import contextlib
@@ -138,8 +137,7 @@ class _RunInProgress:
         settled = Ending.NEUTRAL if self._neutral else Ending.SETTLED
         steady = settled if self.run.computation.reached else Ending.INACCURATE
         self.note(status=steady if approach.turn is None else Ending.TRANSIENT)
-        asked = max(self.run.computation.accuracy or 0.0, BALANCED)
-        if violated := Balances.of(self._cycles[-1], self._mechanism).violated(asked):
+        if violated := Balances.of(self._cycles[-1], self._mechanism).violated(max(self.run.computation.accuracy or 0.0, BALANCED)):
             self.add_remark(f"doubtful: {violated}")
         if self._engine.estimates == "integration":
             self.note("measured", unestimated="its own estimates cover the integration alone")
@@ -177,10 +175,9 @@ class _RunInProgress:
         estimate = request.estimated or not request.settings or accuracy is not None  # settings that are given need none
         result = simulate(self._engine, self._mechanism, self._start, stretch, self._step, settings, accuracy, estimate)
         self._settings, self._done = result.delivered, result.runs
-        self.note(remark=result.remark if estimate else "")
         within = result.error_estimate is not None and result.error_estimate <= target
         asked: dict[str, Any] = {} if refines else {"accuracy": target, "reached": within}
-        self.note(computation=replace(Computation.of(result), **asked))
+        self.note(remark=result.remark if estimate else "", computation=replace(Computation.of(result), **asked))
 
     def _settled_cycles(self) -> tuple[Columns, ...]:
         """The settled cycle, or the last ones if they keep changing; the turn asked for, if there is one."""
@@ -203,15 +200,9 @@ class _RunInProgress:
                 raise Hopeless(hopeless)
             self.note("approach", start=FROM_ORBIT)
         progress.tell(phase="marching")
-        self._early, march = (), self._march(self._settings)
+        self._early, march, far = (), self._march(self._settings), self.run.approach.start == STANDARD
         try:
-            cycles, settling = settle(
-                self._noted(march),
-                multiplier,
-                self._mechanism.slider.has_corners,
-                march.halve_step,
-                far=self.run.approach.start == STANDARD,
-            )
+            cycles, settling = settle(self._noted(march), multiplier, self._mechanism.slider.has_corners, march.halve_step, far=far)
         finally:
             self.note("computation", solve_seconds=march.solve_seconds, simulated_seconds=march.simulated_seconds)
         self.note("approach", settled=settling.settled or len(cycles) > 1, cycles=settling.cycles, averaged_cycles=max(len(cycles), 1))
@@ -336,34 +327,24 @@ class _RunInProgress:
             return {}
         if state is None:
             return {}
-        orbit = PeriodicOrbit.of(state)
+        multiplier = None
         if isinstance(state, FoundOrbit) and isinstance(self._settings, ReferenceSettings):
-            self._found = state
+            self._found = state  # near which those that the multiplier is compared with are searched
             multiplier = self._multiplier(state)
-            orbit = PeriodicOrbit.of(state, multiplier)
-            self.note("approach", periodic_orbit=orbit)
+        orbit = PeriodicOrbit.of(state, multiplier)
+        self.note("approach", periodic_orbit=orbit)
+        if multiplier is not None:
             if multiplier.status == NOT_CONVERGED:
                 raise Hopeless(multiplier.sentence)
             self._neutral = multiplier.status == Ending.NEUTRAL
             if self._neutral:
                 self.add_remark(multiplier.sentence)
-        self.note("approach", periodic_orbit=orbit)
         if not orbit.stable and not self._neutral:
             raise Hopeless(Orbit(None, math.hypot(*orbit.multipliers[0])).hopeless(0.0))
         whole, piece = periodic_cycle(state, self._step)
-        cycle = columns_of(whole)
-        self.note(
-            "computation",
-            solve_seconds=state.solve_seconds + piece.solve_seconds,
-            simulated_seconds=state.cycles_of_work * state.period + float(piece["time"][-1]),
-        )
-        self.note(
-            "approach",
-            start=DIRECT,
-            settled=True,
-            cycles=math.ceil(state.cycles_of_work),
-            settling_error=state.residual,
-            settling_errors={name: state.residual * float(np.max(np.abs(cycle[name]))) for name in CHANNELS},
-            periodic_orbit=replace(orbit, period=float(cycle["time"][-1] - cycle["time"][0])),
-        )
+        cycle, simulated = columns_of(whole), state.cycles_of_work * state.period + float(piece["time"][-1])
+        self.note("computation", solve_seconds=state.solve_seconds + piece.solve_seconds, simulated_seconds=simulated)
+        errors = {name: state.residual * float(np.max(np.abs(cycle[name]))) for name in CHANNELS}
+        self.note("approach", start=DIRECT, settled=True, cycles=math.ceil(state.cycles_of_work), settling_error=state.residual)
+        self.note("approach", settling_errors=errors, periodic_orbit=replace(orbit, period=float(cycle["time"][-1] - cycle["time"][0])))
         return cycle

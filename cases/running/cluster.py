@@ -1,7 +1,8 @@
 """Jobs on a cluster: a Dask scheduler distributes them, and each worker computes its jobs in processes of their own.
 
-If a worker is killed, other workers compute its jobs again; a job that kills four of them is given up. Results go into the store of the
-machine that runs the command. This module needs the package distributed, which the extra `cluster` installs.
+If a worker is killed, other workers compute its jobs again; a job that kills four of them is given up, with those that waited there.
+Results go into the store of the machine that runs the command. This module needs the package distributed, which the extra `cluster`
+installs.
 """
 
 import multiprocessing
@@ -9,11 +10,11 @@ from collections.abc import Generator, Sequence
 from functools import partial
 from typing import Final
 
-from distributed import Client, KilledWorker, Status, get_worker
+from distributed import Client, Status, get_worker
 
 from quickreturn.cases.running.isolation import computed, isolated
 from quickreturn.cases.running.job import ExecutorError, Job, Limits, Outcome, V, Watch, default_limits
-from quickreturn.cases.running.key import LIBRARIES, SIMULATION, code_fingerprint, key_of, library_version, version_of
+from quickreturn.cases.running.key import LIBRARIES, code_fingerprint, key_of, library_version, version_of
 from quickreturn.engines.base import first_line
 from quickreturn.engines.registry import own_engines
 
@@ -50,11 +51,6 @@ class Cluster:
     def __init__(self, client: Client, limits: Limits, quiet: bool) -> None:
         self._client, self.limits, self.quiet = client, limits, quiet
 
-    @property
-    def at_once(self) -> int:
-        """Number of jobs that the present workers compute at a time."""
-        return max(1, sum(self._client.nthreads().values()))
-
     def run(self, jobs: Sequence[Job[V]], watch: Watch | None = None) -> Generator[Outcome[V], None, None]:
         """See `cases.running.job.Executor`; `watch` is not called, because the workers do not report their progress."""
         executor = self._client.get_executor(pure=False)
@@ -62,7 +58,6 @@ class Cluster:
             lambda job: executor.submit(_on_worker, job, key_of(job), self.limits),
             jobs,
             partial(executor.shutdown, wait=False),
-            blamed=KilledWorker,  # by Dask also of the jobs that waited on the workers that a job killed
         )
 
     def __enter__(self) -> "Cluster":
@@ -96,7 +91,7 @@ def installed() -> dict[str, str]:
     """Versions that determine results, by name: libraries, engines, and this project's code."""
     engines = {f"engine {name}": version_of(name)[-2] for name in sorted(own_engines())}
     versions = {library: library_version(library) for library in LIBRARIES}
-    return {**versions, **engines, "code of quickreturn": code_fingerprint((*SIMULATION, "quickreturn.cases"))[:12]}
+    return {**versions, **engines, "code of quickreturn": code_fingerprint()[:12]}
 
 
 def _worker() -> tuple[bool, dict[str, str]]:

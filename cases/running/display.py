@@ -1,10 +1,11 @@
 """Display of progress on standard error: jobs at work, their progress, finished jobs, and the remaining time.
 
-A terminal shows it in place; a pipe or a file gets a line every few seconds and one for each result.
+A terminal shows it in one line that changes; a pipe or a file gets a line every few seconds and one for each result.
 """
 
 import contextlib
 import functools
+import shutil
 import sys
 import threading
 import time
@@ -22,69 +23,47 @@ from quickreturn.reference_model.native.cache_folder import waits_for
 class Tally:
     """Number of finished jobs, jobs at work, and the remaining time."""
 
-    def __init__(self, jobs: Sequence[Job[Any]], at_once: int) -> None:
-        """`at_once`: how many jobs are computed at a time."""
-        self.total, self.done, self._at_once = sum(job.points for job in jobs), 0, at_once
-        self._unfinished = {id(job): job for job in jobs}
-        self._began = time.monotonic()
-        self._at_work: dict[int, tuple[Job[Any], Progress | None, float]] = {}
-        self._spent: dict[_Sort, tuple[float, int]] = {}  # seconds and points of the ended jobs of a sort
-        self._rows = False  # whether a job has several points
+    def __init__(self, jobs: Sequence[Job[Any]]) -> None:
+        self.total, self.done = sum(job.points for job in jobs), 0
+        self._began, self._rows = time.monotonic(), any(job.points > 1 for job in jobs)
+        self._at_work: dict[int, tuple[Job[Any], Progress | None]] = {}
         self._lock = threading.Lock()
 
     def watch(self, job: Job[Any], progress: Progress | None) -> None:
         """Note the progress of a job; None: it has begun."""
         with self._lock:
-            began = self._at_work[id(job)][2] if id(job) in self._at_work else time.monotonic()
-            self._at_work[id(job)] = job, progress, began
+            self._at_work[id(job)] = job, progress
 
     def ended(self, outcome: Outcome[Any]) -> None:
         """Note that a job has ended, successfully or not."""
         with self._lock:
             self._at_work.pop(id(outcome.job), None)
-            self._unfinished.pop(id(outcome.job), None)
             self.done += outcome.job.points
-            seconds, points = self._spent.get(_sort(outcome.job), (0.0, 0))
-            self._spent[_sort(outcome.job)] = seconds + outcome.seconds, points + outcome.job.points
-            self._rows |= outcome.job.points > 1
 
     @property
-    def elapsed(self) -> str:
-        """Time since the beginning, as text."""
-        return span(time.monotonic() - self._began)
-
-    @property
-    def left(self) -> float | None:
-        """Remaining time, s, from the averages so far; None while there is a sort of job of which none has ended.
-
-        A job that takes longer than the average of its sort is assumed to take as long again as it has until now.
-        """
-        with self._lock:
-            if not all(_sort(job) in self._spent for job in self._unfinished.values()):
-                return None
-            now, each = time.monotonic(), list[float]()
-            for key, job in self._unfinished.items():
-                seconds, points = self._spent[_sort(job)]
-                taken = now - self._at_work[key][2] if key in self._at_work else 0.0
-                usual = job.points * seconds / points
-                each.append(usual - taken if taken < usual else taken)
-            return max(sum(each) / self._at_once, max(each, default=0.0))
+    def elapsed(self) -> float:
+        """Time since the beginning, s."""
+        return time.monotonic() - self._began
 
     def at_work(self) -> list[str]:
         """A line for each job that is being computed."""
         with self._lock:
-            return [_line(job, progress) for job, progress, _ in self._at_work.values()]
+            return [_line(job, progress) for job, progress in self._at_work.values()]
 
     def __str__(self) -> str:
-        left = self.left
-        ahead = f", about {span(left)} left" if left and left >= 0.5 else ""
-        rate = f", {self.done / (time.monotonic() - self._began):.3g} a second" if self._rows else ""
+        """The numbers, and the remaining time if the others take as long as those that have ended."""
+        left = self.elapsed * (self.total - self.done) / self.done if self.done else 0.0
+        ahead = f", about {span(left)} left" if left >= 0.5 else ""
+        rate = f", {self.done / self.elapsed:.3g} a second" if self._rows and self.done else ""
         return f"{self.done} of {self.total} done{rate}{ahead}"
 
 
-#: Time until the first line of progress, and between lines, s.
+#: Time until the first line of progress, and between lines in a pipe and in a terminal, s.
 FIRST_LINE_AFTER: Final = 0.3
 LINE_INTERVAL: Final = 5.0
+CHANGES_AFTER: Final = 0.5
+#: What returns a terminal to the beginning of its line, and clears it.
+_ANEW: Final = "\r\x1b[2K"
 #: Processor time, s, after which a message says that code is being compiled: loading compiled code takes one second, compilation 15 to 40.
 COMPILING_AFTER: Final = 2.0
 #: Interval of the checks of this time, s.
@@ -99,7 +78,7 @@ def watched(executor: Executor, jobs: Sequence[Job[T]], title: str) -> Generator
         yield from executor.run(jobs)
         return
     _say_what_is_forgotten()
-    tally = Tally(jobs, executor.at_once)
+    tally = Tally(jobs)
     with _shown(tally, title) as done, closing(executor.run(jobs, tally.watch)) as running:
         for outcome in running:
             tally.ended(outcome)
@@ -114,47 +93,28 @@ def answers(executor: Executor, jobs: Sequence[Job[T]], title: str) -> list[Outc
     return [by_job[id(job)] for job in jobs]
 
 
-def _shown(tally: Tally, title: str) -> contextlib.AbstractContextManager[Callable[[Outcome[Any]], None]]:
-    """The display that suits standard error; the function that it yields is called with every outcome."""
-    return _in_place(tally, title) if sys.stderr.isatty() else _in_lines(tally, title)
-
-
 @contextlib.contextmanager
-def _in_place(tally: Tally, title: str) -> Iterator[Callable[[Outcome[Any]], None]]:
-    """Display in a terminal: a bar, and below it the jobs at work."""
-    from rich.console import Console, Group
-    from rich.live import Live
-    from rich.progress_bar import ProgressBar
-    from rich.table import Table
-    from rich.text import Text
+def _shown(tally: Tally, title: str) -> Iterator[Callable[[Outcome[Any]], None]]:
+    """At intervals a line from a thread, because the caller waits. The function that it yields is called with every outcome.
 
-    def drawn() -> Group:
-        head = Table.grid(padding=(0, 1))
-        head.add_row(title, ProgressBar(total=tally.total, completed=tally.done, width=30), str(tally), tally.elapsed)
-        return Group(head, *(Text(f"  {line}", no_wrap=True, overflow="ellipsis") for line in tally.at_work()))
-
-    with Live(get_renderable=drawn, console=Console(stderr=True), transient=True, refresh_per_second=8):
-        yield lambda outcome: None
-
-
-@contextlib.contextmanager
-def _in_lines(tally: Tally, title: str) -> Iterator[Callable[[Outcome[Any]], None]]:
-    """Display in a pipe or a file: at intervals a line from a thread, because the caller waits, and one for each outcome.
-
-    Points of a study that are jobs of their own have no such line.
+    In a pipe or a file each outcome has a line, except for points of a study that are jobs of their own.
     """
-    ended = threading.Event()
+    ended, in_place = threading.Event(), sys.stderr.isatty()
 
     def tell() -> None:
         wait = FIRST_LINE_AFTER
         while not ended.wait(wait):
             at_work = tally.at_work()
             more = [f"{len(at_work) - _MOST_AT_WORK} more"] if len(at_work) > _MOST_AT_WORK else []
-            _say("; ".join([f"{title}: {tally} after {tally.elapsed}", *at_work[:_MOST_AT_WORK], *more]))
-            wait = LINE_INTERVAL
+            line = "; ".join([f"{title}: {tally} after {span(tally.elapsed)}", *at_work[:_MOST_AT_WORK], *more])
+            if in_place:
+                _write(f"{_ANEW}  {line[: shutil.get_terminal_size().columns - 3]}")
+            else:
+                _say(line)
+            wait = CHANGES_AFTER if in_place else LINE_INTERVAL
 
     def done(outcome: Outcome[Any]) -> None:
-        if tally.total > 1 and not (outcome.job.brief and outcome.job.points == 1 and outcome.completed):
+        if tally.total > 1 and not in_place and not (outcome.job.brief and outcome.job.points == 1 and outcome.completed):
             _say(f"{outcome.job.name}: {outcome.failure or f'done in {span(outcome.seconds)}'}; {tally}")
 
     thread = threading.Thread(target=tell, daemon=True)
@@ -164,6 +124,8 @@ def _in_lines(tally: Tally, title: str) -> Iterator[Callable[[Outcome[Any]], Non
     finally:
         ended.set()
         thread.join()
+        if in_place:
+            _write(_ANEW)
 
 
 @contextlib.contextmanager
@@ -207,16 +169,12 @@ def _say_what_is_forgotten() -> None:
 
 
 def _say(line: str) -> None:
+    _write(f"  {line}\n")
+
+
+def _write(text: str) -> None:
     with contextlib.suppress(OSError, ValueError):  # nobody listens
-        print(f"  {line}", file=sys.stderr, flush=True)
-
-
-#: Kind, function and engines of a job; the time that it takes depends on them.
-_Sort = tuple[str, str, tuple[str, ...]]
-
-
-def _sort(job: Job[Any]) -> _Sort:
-    return job.kind, getattr(job.function, "__qualname__", ""), job.engines
+        print(text, end="", file=sys.stderr, flush=True)
 
 
 def _line(job: Job[Any], progress: Progress | None) -> str:

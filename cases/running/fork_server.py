@@ -1,7 +1,5 @@
 """The fork server: it has completed the slow imports, computes with one thread, and starts the processes of the jobs.
 
-It serves on Linux. Elsewhere each process starts afresh, which takes longer.
-
 Several threads may start processes. When `multiprocessing` starts one it polls all others, and two polls of the same process at once spoil
 its exit code; so one lock guards them.
 """
@@ -12,7 +10,6 @@ import os
 import signal
 import sys
 import threading
-import time
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from multiprocessing import connection, forkserver, resource_tracker
@@ -21,8 +18,6 @@ from typing import Any, Final
 
 from quickreturn.reference_model.native import cache_folder
 
-#: Whether there is a fork server; tests choose processes that start afresh on Linux, too.
-FORKS: Final = sys.platform == "linux" and os.environ.get("QUICKRETURN_START_METHOD") != "spawn"
 #: Environment variables for the number of threads of numerical libraries.
 THREADS: Final = tuple(f"{library}_NUM_THREADS" for library in ("OMP", "OPENBLAS", "MKL", "BLIS", "NUMBA"))
 #: Modules that a fork server imports once for all its workers.
@@ -50,8 +45,6 @@ _without_job: Final[list[int]] = []
 
 def get_ready(preload: Sequence[str]) -> None:
     """Start the fork server now, so that its imports are complete when the first job comes; a failure is reported then."""
-    if not FORKS:
-        return
     with contextlib.suppress(OSError, EOFError), _LOCK:
         before = _number()
         _context(preload)
@@ -94,7 +87,7 @@ class Process:
             worker_ends = [pair[0 if reads else 1] for pair, reads in zip(pairs, receives, strict=True)]
             self.pipes = [pair[1 if reads else 0] for pair, reads in zip(pairs, receives, strict=True)]  # this process' ends
             self._process = context.Process(target=target, args=worker_ends, daemon=True)
-            with _hidden_main() if hide_main else contextlib.nullcontext(), contextlib.nullcontext() if FORKS else _surroundings():
+            with _hidden_main() if hide_main else contextlib.nullcontext():
                 self._process.start()  # waits until the fork server has completed its imports
             #: Becomes ready when the process, or the fork server that watches it, has ended.
             self.sentinel: int = self._process.sentinel
@@ -103,19 +96,13 @@ class Process:
 
     def exit_code(self, patience: float) -> int | None:
         """The exit code as in `multiprocessing.Process.exitcode`, after up to `patience` (s); None: the process has not ended."""
-        until = time.monotonic() + patience
         connection.wait([self.sentinel], patience)
-        while True:
-            with _LOCK:
-                code: int | None = self._process.exitcode
-            if FORKS or code is not None or time.monotonic() > until:
-                return code
-            time.sleep(0.01)  # a process that started afresh holds its own sentinel: it may have closed it, or end a little later
+        with _LOCK:
+            code: int | None = self._process.exitcode
+        return code
 
     def exists(self) -> bool:
         """Whether there is a process of this number although its sentinel is ready, because the fork server has ended."""
-        if not FORKS:
-            return False
         try:
             os.kill(self._process.pid, 0)
         except ProcessLookupError:
@@ -124,10 +111,6 @@ class Process:
 
     def kill(self) -> None:
         """End the process if it has not ended."""
-        if not FORKS:
-            with _LOCK:
-                self._process.kill()
-            return
         with contextlib.suppress(ProcessLookupError):
             os.kill(self._process.pid, signal.SIGKILL)
 
@@ -142,9 +125,7 @@ class Process:
 
 
 def _context(preload: Sequence[str]) -> Any:
-    """The multiprocessing context of a fork server, or of processes that start afresh."""
-    if not FORKS:
-        return multiprocessing.get_context("spawn")
+    """The multiprocessing context of the fork server, which runs afterwards."""
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(list(preload))
     with _surroundings():
@@ -155,17 +136,15 @@ def _context(preload: Sequence[str]) -> Any:
 @contextlib.contextmanager
 def _surroundings() -> Iterator[None]:
     """Let a process that starts now, and all that come from it, compute with one thread and not see Ctrl-C."""
-    if os.name == "posix":
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of a tracker that was killed: nothing here uses the resources that it tracks
-            resource_tracker.ensure_running()  # its start unblocks SIGINT, so it must come before the block below
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of a tracker that was killed: nothing here uses the resources that it tracks
+        resource_tracker.ensure_running()  # its start unblocks SIGINT, so it must come before the block below
     # PYTHONSAFEPATH: the server must not import from the current folder, which may hold another folder `cases`
     environment = {**dict.fromkeys(THREADS, "1"), "PYTHONSAFEPATH": "1"}
     cache_folder.folder()  # where it is a temporary one, the workers use the same
     before = {name: os.environ.get(name) for name in environment}
     os.environ.update(environment)
-    if os.name == "posix":
-        mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # a Ctrl-C meanwhile reaches this process afterwards
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # a Ctrl-C meanwhile reaches this process afterwards
     try:
         yield
     finally:
@@ -174,8 +153,7 @@ def _surroundings() -> Iterator[None]:
                 del os.environ[name]
             else:
                 os.environ[name] = value
-        if os.name == "posix":
-            signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
 
 @contextlib.contextmanager

@@ -213,7 +213,7 @@ class _Worker:
         return Outcome(self._job, value, failure, error, seconds, self._text.decode(errors="replace").strip())
 
     def _read_output(self) -> None:
-        piece = os.read(self._output.fileno(), 65536) if os.name == "posix" else b""
+        piece = os.read(self._output.fileno(), 65536)
         if not piece:
             self._output.close()
         self._text += piece
@@ -222,36 +222,23 @@ class _Worker:
 
 def available_cores() -> int:
     """Number of cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return len(os.sched_getaffinity(0))
 
 
 def computed(
     submit: Callable[[Job[V]], "Future[Outcome[V]]"],
     jobs: Sequence[Job[V]],
     cancel: Callable[[], object] = lambda: None,
-    blamed: type[Exception] | None = None,
 ) -> Generator[Outcome[V], None, None]:
     """Outcomes as they come from the executor behind `submit`.
 
-    Closing the generator, or Ctrl-C, calls `cancel` and then cancels the remaining jobs one by one, which may take long. An executor may
-    end a job by an error `blamed` although another job that was there too is at fault: such jobs are computed once more after all others,
-    one at a time.
+    Closing the generator, or Ctrl-C, calls `cancel` and then cancels the remaining jobs one by one, which may take long.
     """
     waiting: dict[Future[Outcome[V]], Job[V]] = {}
-    suspected: list[Job[V]] = []
     try:
         waiting.update((submit(job), job) for job in jobs)
         for future in as_completed(list(waiting)):
-            job = waiting.pop(future)
-            if blamed is not None and len(jobs) > 1 and not future.cancelled() and isinstance(future.exception(), blamed):
-                suspected.append(job)
-            else:
-                yield _outcome(job, future)
-        for job in suspected:
-            alone = submit(job)
-            waiting[alone] = job
-            for future in as_completed([alone]):
-                yield _outcome(waiting.pop(future), future)
+            yield _outcome(waiting.pop(future), future)
     finally:
         cancel()
         for future in waiting:
@@ -288,13 +275,13 @@ class LocalProcesses:
     ) -> None:
         if at_once is not None and at_once < 1:
             raise ValueError(f"jobs={at_once}: at least 1 is needed")
-        self.at_once, self.quiet, self._preload = at_once or available_cores(), quiet, preload
+        self._at_once, self.quiet, self._preload = at_once or available_cores(), quiet, preload
         self.limits = limits or default_limits()
 
     def run(self, jobs: Sequence[Job[V]], watch: Watch | None = None) -> Generator[Outcome[V], None, None]:
         """See `cases.running.job.Executor`."""
         ended = threading.Event()
-        pool = ThreadPoolExecutor(self.at_once)
+        pool = ThreadPoolExecutor(self._at_once)
         try:
             yield from computed(
                 partial(pool.submit, isolated, limits=self.limits, watch=watch, stopped=ended.is_set, preload=self._preload), jobs

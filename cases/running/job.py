@@ -112,10 +112,6 @@ class Executor(Protocol):
         """Whether progress is not reported."""
 
     @property
-    def at_once(self) -> int:
-        """Number of jobs that are computed at a time."""
-
-    @property
     def limits(self) -> Limits:
         """Limits of a job that has none of its own."""
 
@@ -135,7 +131,6 @@ class Executor(Protocol):
 class ThisProcess:
     """The executor without processes. Limits do not apply, and a job that crashes ends the caller."""
 
-    at_once = 1
     limits = Limits()
 
     def __init__(self, quiet: bool = True) -> None:
@@ -157,7 +152,7 @@ class ThisProcess:
 class Nobody:
     """The executor that computes nothing: jobs that are not stored are reported as missing."""
 
-    at_once, limits, quiet = 1, Limits(), True
+    limits, quiet = Limits(), True
 
     def run(self, jobs: Sequence[Job[V]], watch: Watch | None = None) -> Generator[Outcome[V], None, None]:
         """See `cases.running.job.Executor`."""

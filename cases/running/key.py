@@ -22,7 +22,6 @@ from typing import Any, Final
 import numpy as np
 
 from quickreturn.cases.running.job import Job
-from quickreturn.engines.base import AnyEngine
 from quickreturn.engines.plugins import places
 from quickreturn.engines.registry import MAIN, engine
 
@@ -128,8 +127,8 @@ def names_imported(text: str) -> Iterator[str]:
         yield from (f"{home}.{name}" if home else name for name in listed)
 
 
-#: Code of simulations, besides a third-party engine's own code.
-SIMULATION: Final = ("quickreturn.reference_model", "quickreturn.engines")
+#: Packages of this project that compute.
+COMPUTING: Final = ("quickreturn.reference_model", "quickreturn.engines", "quickreturn.cases")
 
 #: Code that converts results to records and back.
 _RECORDS: Final = "quickreturn.cases.running.store"
@@ -138,7 +137,6 @@ _MEASURES: Final = "quickreturn.cases.motion.of_turn"
 #: Packages and modules that start jobs, write files, or show results and progress: no result depends on them.
 ONLY_TALK: Final = (
     "quickreturn.cases.running",
-    "quickreturn.cases.files.shown",
     "quickreturn.cases.files.shown",
     "quickreturn.engines.progress",
 )
@@ -175,7 +173,7 @@ def version_of(name: str) -> list[str]:
     chosen = engine(name)
     if chosen.unavailable():
         return [name]
-    return [name, chosen.version(), "" if name in MAIN else code_fingerprint((), chosen)]
+    return [name, chosen.version(), "" if name in MAIN else _code_of_engine(type(chosen))]
 
 
 def code_of(function: Callable[..., Any]) -> str:
@@ -189,12 +187,7 @@ def code_of(function: Callable[..., Any]) -> str:
 
 @cache
 def _hash_of_module(module: str) -> str:
-    digest = hashlib.sha256()
-    for name, file in sources_of(module).items():
-        text = text_of(file)
-        digest.update(f"{name} {len(text)}\n".encode())
-        digest.update(text)
-    return _with_libraries(digest)
+    return _hash_of(sources_of(module))
 
 
 def sources_of(module: str) -> dict[str, Path]:
@@ -217,22 +210,26 @@ def sources_of(module: str) -> dict[str, Path]:
     return imported_modules([*found, *of_plugins], find=find) if of_plugins else found
 
 
-def code_fingerprint(parts: tuple[str, ...] = SIMULATION, engine: AnyEngine | None = None) -> str:
-    """SHA-256 (hexadecimal) of source text, with the versions of the libraries used.
+def code_fingerprint() -> str:
+    """SHA-256 (hexadecimal) of all code that computes (`COMPUTING`), with the versions of the libraries used."""
+    return _hash_of({name: file for package in COMPUTING for name, file in modules_in(package).items()})
 
-    Args:
-        parts: names of packages (with everything below them) or modules; ModuleNotFoundError: one does not exist.
-        engine: an engine of another package; its code counts as well.
-    """
+
+@cache
+def _code_of_engine(chosen: type) -> str:
+    """The same of an engine's file and of those beside it: a small engine is one file, a larger one a package."""
+    file = Path(inspect.getsourcefile(chosen) or "")
+    in_package = (file.parent / "__init__.py").is_file()
+    return _hash_of(dict(sorted(_below(str(file.parent), ""))) if in_package else {file.name: file} if file.is_file() else {})
+
+
+def _hash_of(sources: Mapping[str, Path]) -> str:
+    """SHA-256 (hexadecimal) of sources by name, with the versions of the libraries used."""
     digest = hashlib.sha256()
-    for part in sorted(set(parts)):
-        digest.update(_source_hash(part).encode())
-    if engine is not None:
-        digest.update(_file_hash(inspect.getsourcefile(type(engine)) or "").encode())
-    return _with_libraries(digest)
-
-
-def _with_libraries(digest: "hashlib._Hash") -> str:
+    for name, file in sources.items():
+        # name and length before each text, so that a line that moves from one file to the next changes the hash
+        digest.update(f"{name} {len(text_of(file))}\n".encode())
+        digest.update(text_of(file))
     for library in LIBRARIES:
         digest.update(f"{library} {library_version(library)}\n".encode())
     return digest.hexdigest()
@@ -242,35 +239,6 @@ def _with_libraries(digest: "hashlib._Hash") -> str:
 def library_version(library: str) -> str:
     """Version of an installed library."""
     return metadata.version(library)
-
-
-@cache
-def _source_hash(part: str) -> str:
-    spec = find_spec(part)
-    if spec is None or spec.origin is None:
-        raise ModuleNotFoundError(f"no module named {part!r}", name=part)
-    origin = Path(spec.origin)
-    return _hash_of(origin.parent.rglob("*.py") if spec.submodule_search_locations else iter([origin]), origin.parent)
-
-
-@cache
-def _file_hash(source: str) -> str:
-    """Hash of an engine's file and of those beside it: a small engine is one file, a larger one a package."""
-    file = Path(source)
-    if not file.is_file():
-        return source
-    in_package = (file.parent / "__init__.py").is_file()
-    return _hash_of(file.parent.rglob("*.py") if in_package else iter([file]), file.parent)
-
-
-def _hash_of(files: Iterator[Path], root: Path) -> str:
-    digest = hashlib.sha256()
-    for file in sorted(each for each in files if "__pycache__" not in each.relative_to(root).parts):  # a Python FMU is unpacked there
-        text = file.read_bytes()
-        # Name and length before each text, so that a line that moves from one file to the next changes the hash.
-        digest.update(f"{file.relative_to(root).as_posix()} {len(text)}\n".encode())
-        digest.update(text)
-    return digest.hexdigest()
 
 
 def _canonical(value: Any) -> Any:

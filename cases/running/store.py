@@ -92,8 +92,7 @@ class Store:
     def __init__(self, folder: Path | None = None, tell: Callable[[str], object] | None = None) -> None:
         self.folder = folder if folder is not None else Path(os.environ.get(VARIABLE) or DEFAULT_FOLDER).expanduser()
         self.notices: list[str] = []  # sentences on damaged entries and on results that could not be written, so far
-        self.written = self.lost = 0  # numbers of results that were written, and that could not be
-        self.in_pieces: set[str] = set()  # keys of jobs whose pieces other processes store
+        self.lost = 0  # number of results that could not be written
         self._tell = tell
         self.is_new = not self.folder.exists()
         try:
@@ -146,15 +145,9 @@ class Store:
         body = buffer.getvalue()
         try:
             write_atomically(self._path(key), _head(key, body) + b"\n" + body)
-            self.written += 1
         except OSError as error:
             self.lost += 1
             self._note(f"store folder {self.folder}: results cannot be written ({words_of(error)}); they are computed anew next time")
-
-    @property
-    def pieces(self) -> int:
-        """Number of stored pieces of the jobs in `in_pieces`, of this call and earlier ones."""
-        return sum(1 for key in self.in_pieces for _ in self.folder.glob(f"{key}-*.result"))
 
     def _path(self, key: str) -> Path:
         return self.folder / f"{key}.result"

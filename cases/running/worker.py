@@ -1,23 +1,19 @@
 """The child's side of jobs: everything that happens in the worker process. See `cases.running.isolation` for the runner's side."""
 
 import contextlib
+import fcntl
 import os
 import pickle
+import resource
 import select
 import signal
 import sys
-import threading
 import traceback
 from multiprocessing.connection import Connection
 from typing import Any, Final
 
-from quickreturn.cases.running.fork_server import FORKS
 from quickreturn.engines.one_run import lacks_memory
 from quickreturn.engines.progress import listen
-
-if sys.platform != "win32":
-    import fcntl
-    import resource
 
 #: Exit code of a worker whose runner is gone.
 ORPHANED: Final = 70
@@ -31,19 +27,15 @@ def serve(lifeline: Connection, orders: Connection, output: Connection, answer: 
         orders: delivers pickled (work, memory, watched): the pickled (function, arguments), which are opened as a part of the job, so that
             an import that fails is a failure of the job; bytes of address space that the job may take on top of those of the process at
             its beginning, or None; and whether progress is reported.
-        output: takes standard output and standard error, of Python and of C libraries; a job's output is complete before its answer. On
-            Windows, where pipes are no files, they go where the runner's go.
+        output: takes standard output and standard error, of Python and of C libraries; a job's output is complete before its answer.
         answer: takes for each job pickled ("progress", progress), if watched, and last ("value", value) or ("error", exception or None,
             one-line description).
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the runner's; it ends its workers
     _die_with_the_runner(lifeline)
     _be_first_to_go()
-    if os.name == "posix":
-        os.dup2(output.fileno(), 1)
-        os.dup2(output.fileno(), 2)
-    else:
-        output.close()
+    os.dup2(output.fileno(), 1)
+    os.dup2(output.fileno(), 2)
 
     def send(message: bytes) -> None:
         with contextlib.suppress(OSError):  # the runner is gone
@@ -86,26 +78,12 @@ def _portable(error: BaseException) -> BaseException | None:
 
 
 def _die_with_the_runner(lifeline: Connection) -> None:
-    """End this process when the lifeline's other end closes.
-
-    On Linux the system does it (SIGIO), even while an engine holds the GIL; elsewhere a thread, once it gets the GIL.
-    """
-    if not FORKS or sys.platform == "win32":
-        threading.Thread(target=_end_with, args=(lifeline,), daemon=True).start()
-        return
+    """Let the system end this process (SIGIO) when the lifeline's other end closes, even while an engine holds the GIL."""
     signal.signal(signal.SIGIO, signal.SIG_DFL)
     fcntl.fcntl(lifeline, fcntl.F_SETOWN, os.getpid())
     fcntl.fcntl(lifeline, fcntl.F_SETFL, fcntl.fcntl(lifeline, fcntl.F_GETFL) | os.O_ASYNC)
     if select.select([lifeline], [], [], 0)[0]:  # it closed before the signal was asked for
         os._exit(ORPHANED)
-
-
-def _end_with(lifeline: Connection) -> None:
-    with contextlib.suppress(OSError):  # the job has closed it
-        try:
-            lifeline.recv_bytes()
-        except EOFError:
-            os._exit(ORPHANED)
 
 
 def _be_first_to_go() -> None:
@@ -115,17 +93,11 @@ def _be_first_to_go() -> None:
 
 
 def _limit_memory(memory: int | None) -> None:
-    """Limit the address space to what the process has now and `memory` (bytes) on top; None: to what the system allows.
-
-    Windows knows no such limit.
-    """
-    if sys.platform == "win32":
-        return
+    """Limit the address space to what the process has now and `memory` (bytes) on top; None: to what the system allows."""
     _, hard = resource.getrlimit(resource.RLIMIT_AS)
     limit = hard
     if memory is not None:
-        present = 0  # where the system has no such file the limit counts what the process has already
-        with contextlib.suppress(OSError), open("/proc/self/statm", encoding="ascii") as file:
+        with open("/proc/self/statm", encoding="ascii") as file:
             present = int(file.read().split()[0]) * resource.getpagesize()
         limit = present + memory if hard == resource.RLIM_INFINITY else min(present + memory, hard)
     resource.setrlimit(resource.RLIMIT_AS, (limit, hard))

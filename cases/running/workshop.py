@@ -50,7 +50,6 @@ class Workshop:
         """The job with the place for its pieces, if it has any; its key is that without them."""
         if not job.pieces or job.lasts is None:
             return job
-        self.store.in_pieces.add(key)
         return replace(job, arguments=(*job.arguments, Pieces(str(self.store.folder.resolve()), key)))
 
     @property

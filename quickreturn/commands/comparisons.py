@@ -97,29 +97,36 @@ def compare(call: Call, files: Sequence[str], writes_mapping: bool, **reading: A
     else:
         click.echo("\n".join(in_lines(parts_of_tables(result, each)) for result, each in zip(results, tables_of, strict=True)))
     if call.output:
-        from quickreturn.reports.drawing.cycle import drawn
+        from quickreturn.reports.drawing.cycle import draw
+        from quickreturn.reports.drawing.style import picture
 
-        write(call.output, lambda ending: drawn(results, ending))
+        write(call.output, lambda ending: picture(draw(results), ending))
     return _exit_code(call, results)
 
 
 def _exit_code(call: Call, results: "Sequence[CaseResult]") -> int:
     """The exit code; runs without a result are named on standard error."""
     results = [result.with_tables for result in results]
-    for result in results:
-        for each in result.failures:
-            tell(f"{result.case.name}: {'table' if each.recording else 'engine'} {each.engine} {each.status}: {each.remark}")
+    failed = _failed(results)
     by_name = [(result.case.name, each) for result in results for each in result.runs.values() if call.engines]
     refused = [(name, each) for name, each in by_name if each.status == Ending.REFUSED]
     for name, each in refused:
         tell(f"{name}: engine {each.engine}: {each.remark}")
     if refused:
         return ExitCode.BAD_INPUT
-    if any(result.failures for result in results):
+    if failed:
         return ExitCode.ENGINE_TROUBLE
     if call.lost:
         return ExitCode.BAD_INPUT
     return ExitCode.CLAIMS_BROKEN if any(result.missed for result in results) else ExitCode.GOOD
+
+
+def _failed(results: "Sequence[CaseResult]") -> bool:
+    """Whether an engine or a table did not deliver; each is named on standard error."""
+    failures = [(result.case.name, run) for result in results for run in result.failures]
+    for case, run in failures:
+        tell(f"{case}: {'table' if run.recording else 'engine'} {run.engine} {run.status}: {run.remark}")
+    return bool(failures)
 
 
 def _folder(option: str, text: str) -> str:
@@ -154,10 +161,7 @@ def report(call: Call) -> int:
     tell_slow(loaded)
     written = written_report(loaded, str(call.output), call.engines, accuracy=call.accuracy, settings=call.settings)
     click.echo(written.summary)
-    for kind, runs in (("engine", (*written.incomplete, *written.inaccurate)), ("table", written.unusable)):
-        for case, each in runs:
-            tell(f"{case}: {kind} {each.engine} {each.status}: {each.remark}")
-    if written.failed:
+    if _failed([result.with_tables for result in written.content.results]):
         return ExitCode.ENGINE_TROUBLE
     return ExitCode.BAD_INPUT if call.lost else ExitCode.GOOD
 

@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
+from quickreturn.computing import Computing
+
 if TYPE_CHECKING:
     from quickreturn.cases.files.case import Case
     from quickreturn.cases.running.job import Limits
     from quickreturn.cases.running.store import Store
     from quickreturn.cases.running.workshop import Workshop
-    from quickreturn.computing import Computing
 
 LONGEST_MESSAGE: Final = 600  # characters; a longer message repeats a huge argument
 
@@ -31,10 +32,9 @@ class ExitCode(IntEnum):
 
 
 @dataclass
-class Call:
+class Call(Computing):
     """The present call. The fields that the options of `commands.options` set have their values, if the command has them."""
 
-    quiet: bool = False
     units: str | None = None
     cases: Sequence[str] = ()  # names, paths and patterns
     tag: str | None = None
@@ -46,8 +46,6 @@ class Call:
     settings: Mapping[str, Mapping[str, str]] = field(default_factory=dict)  # engine -> name -> text
     output: str | None = None
     as_json: bool = False
-    jobs: int | None = None
-    cluster: str | None = None
     time_limit: float | None = None  # s
     memory_limit: float | None = None  # GiB
     no_store: bool = False
@@ -79,20 +77,17 @@ class Call:
         usual = default_limits()
         return Limits(self.time_limit or usual.seconds, round(self.memory_limit * 2**30) if self.memory_limit else usual.memory)
 
-    @property
-    def computing(self) -> "Computing":
-        """How its jobs run. Standard error names the cases, the engines and the folder of results."""
-        from quickreturn.computing import Computing
+    def tell(self, notice: str) -> None:
+        """Print a notice on standard error."""
+        tell(notice)
 
-        return Computing(self.jobs, self.cluster or None, self.limits, self.quiet, tell, self._begun)
-
-    def _begun(self, workshop: "Workshop", cases: "Sequence[Case]", engines: Sequence[str]) -> None:
+    def begun(self, workshop: "Workshop", cases: "Sequence[Case]", engines: Sequence[str]) -> None:
         """Announce what will run. The slow imports of the processes begin here, too."""
         from quickreturn.cases.running import fork_server
 
         self.keep_in(workshop.store)
         self._announce_compiling()
-        if cases and self.cluster is None:
+        if cases and not self.cluster:
             fork_server.get_ready(fork_server.PRELOAD)
         tell_doubts(cases)
         if cases:
@@ -111,13 +106,9 @@ class Call:
 
     def case(self, name: str | None = None) -> "Case":
         """A case, or the only one, with the values, times and units of the options."""
-        from quickreturn.cases.files.errors import CaseError, as_written
+        from quickreturn.cases.files.errors import CaseError
         from quickreturn.cases.library import load_case, with_times
 
-        for key, seconds in (("duration", self.duration), ("output_step", self.output_step)):
-            if seconds is not None and f"simulation.{key}" in self.overrides:
-                given = f"{_option(key)} ({seconds:g} s) and --set simulation.{key}={as_written(self.overrides[f'simulation.{key}'])}"
-                raise click.UsageError(f"{given} are both given; give one of them")
         case = load_case(self.cases[0] if name is None else name, self.overrides)
         if self.units is not None:
             case = case.in_units(self.units)
@@ -125,7 +116,7 @@ class Call:
         try:
             return with_times(case, self.duration, self.output_step)
         except CaseError as wrong:
-            raise CaseError("command line", _option(wrong.key or ""), wrong.value, wrong.problem, wrong.accepted) from None
+            raise CaseError("command line", f"--{wrong.key}".replace("_", "-"), wrong.value, wrong.problem, wrong.accepted) from None
 
     def _announce_compiling(self) -> None:
         """Say, once in a call, that an engine's first run compiles, if no compiled code is kept yet."""
@@ -218,7 +209,3 @@ def _one_line(sentence: str) -> str:
     text = "".join(sign if sign.isprintable() else sign.encode("unicode_escape").decode() for sign in joined)
     half = LONGEST_MESSAGE // 2
     return text if len(text) <= LONGEST_MESSAGE else f"{text[:half]} ... {text[-half:]}"
-
-
-def _option(key: str) -> str:
-    return f"--{key.replace('_', '-')}"

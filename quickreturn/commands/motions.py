@@ -49,9 +49,7 @@ def simulate(call: Call, no_estimate: bool) -> int:
     several engines or cases the JSON document is a list.
     """
     if no_estimate and call.accuracy is not None:
-        raise click.UsageError(
-            f"--accuracy {call.accuracy:g} and --no-estimate are both given; the estimate alone shows what is reached, give one of them"
-        )
+        raise click.UsageError(f"--accuracy {call.accuracy:g} and --no-estimate are both given; give one of them")
     get_ready(COMPUTING)  # what it imports takes longer than what this process does
     from quickreturn.commands.solved import NOTHING, solved, written
     from quickreturn.readings import readings

@@ -41,7 +41,7 @@ def command(*options: Option, **attributes: Any) -> Callable[[Callable[..., Any]
         @functools.wraps(function)
         def called(**own: Any) -> Any:
             call = console.call()
-            before = CHOSEN.set(call.computing)
+            before = CHOSEN.set(call)
             try:
                 return function(call, **own)
             finally:
@@ -94,11 +94,11 @@ def angles(option: str, text: str) -> list[float]:
     raise click.UsageError(f"{option} {as_written(text)}: {accepted}")
 
 
-def _kept(read: Callable[[Any], Any] = lambda given: given, name: str = "") -> dict[str, Any]:
+def _kept(read: Callable[[Any], Any] = lambda given: given) -> dict[str, Any]:
     """Arguments of click for an option that sets a field of the `Call`."""
 
     def keep(context: click.Context, option: click.Parameter, given: Any) -> None:
-        setattr(context.ensure_object(Call), name or str(option.name), read(given))
+        setattr(context.ensure_object(Call), str(option.name), read(given))
 
     return {"expose_value": False, "callback": keep}
 

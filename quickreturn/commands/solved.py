@@ -31,28 +31,13 @@ Found = Solution | ToldError
 _ADVICE: Final = "see the limits of time and memory, or report this to the author of the engine"
 
 #: Further keys of a simulation's JSON document, with the values that they have after a failure without any.
-NOTHING: Final[dict[str, Any]] = {
-    "version": None,
-    "stored": False,
-    "rows": 0,
-    "reached": False,
-    "error_estimate": None,
-    "error_estimates": {},
-    "error_parts": (),
-    "estimate_of": None,
-    "further_run_skipped": None,
-    "remark": "",
-    "settings": None,
-    "setup_seconds": None,
-    "compile_seconds": None,
-    "solve_seconds": None,
-    "estimate_seconds": None,
-    "statistics": {},
-    "bodies": (),
-    "joints": (),
-    "degrees_of_freedom": None,
-    "failure": None,
-}
+NOTHING: Final[dict[str, Any]] = dict.fromkeys((
+    "version", "stored", "rows", "reached", "error_estimate", "error_estimates", "error_parts", "estimate_of", "further_run_skipped",
+    "remark", "settings", "setup_seconds", "compile_seconds", "solve_seconds", "estimate_seconds", "statistics", "bodies", "joints",
+    "degrees_of_freedom", "failure",
+)) | {"stored": False, "rows": 0, "reached": False, "error_estimates": {}, "error_parts": (), "remark": "", "statistics": {}} | {
+    "bodies": (), "joints": (),
+}  # fmt: skip
 
 
 def solved(call: Call, cases: Sequence[Case], *, estimate: bool = True) -> list[tuple[Case, str, Outcome[Answer], Found]]:

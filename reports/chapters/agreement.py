@@ -1,13 +1,13 @@
 """Who agrees with whom: every comparison of two engines, with what both claim, and how small an error would show."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 import numpy as np
 
-from quickreturn.cases.comparison.engines import CLASSES, REFERENCE, WORSE, CaseResult, not_judged
+from quickreturn.cases.comparison.engines import REFERENCE, CaseResult, not_judged
 from quickreturn.cases.comparison.engines import agreement as verdicts
 from quickreturn.cases.comparison.pair import KINDS, WAVEFORM, Difference, Kind
 from quickreturn.cases.motion.cycle import EXTREMES
@@ -20,18 +20,15 @@ from quickreturn.reports.page.view import shown_first
 from quickreturn.reports.tables import COMPARISON, QUANTITY_COLUMN, UNRESOLVABLE, Cell, Column, Mark, Table, compared
 from quickreturn.reports.words import QUANTITY, case_label, counted, in_words, listed, number, place, size
 
+T = TypeVar("T")
+
 #: Least difference over tolerance that is drawn; smaller ones are drawn here, because the logarithmic axis has no zero.
 LEAST_USED: Final = 1e-5
 #: Crank angles of a cycle that a plot of differences leaves out between two points, and those between two rows of its table.
 FINE: Final = 2
 COARSE: Final = 10
 #: Kinds of numbers whose sharpness the chapter gives -> the word for one of them.
-KINDS_GIVEN: Final[Mapping[Kind, str]] = {
-    "frequency": "frequency",
-    "extreme": "peak",
-    "amplitude": "amplitude",
-    "waveform": "waveform",
-}
+KINDS_GIVEN: Final[Mapping[Kind, str]] = {"frequency": "frequency", "extreme": "peak", "amplitude": "amplitude", "waveform": "waveform"}
 
 
 @dataclass(frozen=True)
@@ -70,7 +67,6 @@ def agreement(content: Content) -> Chapter | None:
         "map": run_map(results),
         "summary": summary(results),
         "departures": departures(results),
-        "classes": classes(results),
         "comparisons": every_comparison(results),
     }
     cubic = answer.cubic.frequency.worst.relative if answer.cubic else None
@@ -97,16 +93,10 @@ def finding(agreement: Mapping[str, int], alike: Sequence[str], sharpness: Mappi
     else:
         every = "all " if agree == compared > 1 else ""
         more = f" ({silent} more say nothing)" if silent else ""
-        text = (
-            f"{in_words(len(alike)).capitalize()} agree within what they claim in {every}{counted(agree, 'comparison')} with"
-            f" {alike[0]}{more}, which would show an error of {_found(sharpness)}"
-        )
+        found = [f"{size(max(row.found_somewhere for row in rows))} in every {word}" for word, rows in sharpness.items()]
+        compared_with = f"{every}{counted(agree, 'comparison')} with {alike[0]}{more}, which would show an error of {listed(found, 'or')}"
+        text = f"{in_words(len(alike)).capitalize()} agree within what they claim in {compared_with}"
     return text if cubic is None else f"{text}; the 1999 model’s frequency is {size(cubic)} off the converged one at worst"
-
-
-def _found(sharpness: Mapping[str, Sequence[Sharpness]]) -> str:
-    """The smallest error that at least one comparison of each kind of numbers finds, in every engine."""
-    return listed([f"{size(max(row.found_somewhere for row in rows))} in every {word}" for word, rows in sharpness.items()], "or")
 
 
 def _why(results: Sequence[CaseResult], name: str) -> str:
@@ -240,10 +230,7 @@ def summary(results: Sequence[CaseResult]) -> Table:
         is more than {SAYS_NOTHING}. Used: the difference over the tolerance; beyond 1 the engines differ by more than they claim.""",
         columns,
     )
-    groups: dict[tuple[str, str, str], list[Difference]] = {}
-    for check in (check for result in results for check in result.checks):
-        groups.setdefault((check.engine, check.other, check.quantity), []).append(check)
-    for (engine, other, quantity), checks in groups.items():
+    for (engine, other, quantity), checks in _grouped(results, lambda check: check.quantity).items():
         used = [abs(check.difference) / check.tolerance for check in checks if check.tolerance > 0.0]
         beyond = sum(not check.passed for check in checks)
         table.add(
@@ -258,6 +245,14 @@ def summary(results: Sequence[CaseResult]) -> Table:
             used_most=max(used, default=None),
         )
     return table
+
+
+def _grouped(results: Sequence[CaseResult], sort: Callable[[Difference], T]) -> dict[tuple[str, str, T], list[Difference]]:
+    """Comparisons by both engines and a sort of numbers."""
+    groups: dict[tuple[str, str, T], list[Difference]] = {}
+    for check in (check for result in results for check in result.checks):
+        groups.setdefault((check.engine, check.other, sort(check)), []).append(check)
+    return groups
 
 
 def every_comparison(results: Sequence[CaseResult]) -> Table:
@@ -320,10 +315,8 @@ def sharp_table(rows: Sequence[Sharpness]) -> Table:
 
 def sharpness(results: Sequence[CaseResult]) -> list[Sharpness]:
     """The sharpness of every compared pair of engines and every kind of numbers."""
-    groups: dict[tuple[str, str, Kind], list[Difference]] = {}
     kinds = {quantity: kind for kind, quantities in KINDS.items() for quantity in quantities}
-    for check in (check for result in results for check in result.checks if check.quantity in kinds):
-        groups.setdefault((check.engine, check.other, kinds[check.quantity]), []).append(check)
+    groups = _grouped(results, lambda check: kinds[check.quantity])
     pairs = dict.fromkeys((engine, other) for engine, other, _ in groups)
     return [_of(*pair, kind, groups[*pair, kind]) for pair in pairs for kind in KINDS if (*pair, kind) in groups]
 
@@ -354,19 +347,3 @@ def _of(engine: str, other: str, kind: Kind, checks: Sequence[Difference]) -> Sh
         found_mostly=max(errors[(len(checks) - 1) // 2] for errors in by_sign),
         found_nearly_always=max(errors[math.ceil(0.9 * len(checks)) - 1] for errors in by_sign),
     )
-
-
-def classes(results: Sequence[CaseResult]) -> Table:
-    """Per engine: the number of runs in each accuracy class."""
-    names = [*(f"{100.0 * width:g} %" for width in CLASSES), WORSE, "unknown"]
-    table = Table(
-        "accuracy_classes",
-        """The accuracy of each engine: the number of runs in each accuracy class. The class of a run is the least that covers the engine's
-        own estimates and its deviation from the reference, in the consensus frequencies and in all extremes (relative to the channel's
-        largest magnitude).""",
-        ("engine", *(Column(f"class {name}", name, form="d", group="class") for name in names)),
-    )
-    for engine in engines_of(results):
-        reached = [result.accuracy_class(engine) or "unknown" for result in results if engine in result.runs]
-        table.add(engine=engine, **{f"class {name}": reached.count(name) for name in names})
-    return table

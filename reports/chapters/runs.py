@@ -201,8 +201,7 @@ def run_by_run(content: Content) -> Chapter:
         }
         for result in content.results
     ]
-    facts = {"sections": sections, "tables": [section["table"] for section in sections]}
-    return Chapter("each", "Run by run", signals_finding(len(sections)), facts)
+    return Chapter("each", "Run by run", signals_finding(len(sections)), {"sections": sections})
 
 
 def signals_finding(cases: int) -> str:

@@ -9,14 +9,13 @@ from typing import Final
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from quickreturn.cases.comparison.engines import CaseResult
 from quickreturn.cases.comparison.tables import GROWING, VIBRATING
 from quickreturn.cases.motion.request import Run
 from quickreturn.reference_model.columns import COLUMNS
-from quickreturn.reports.drawing.style import FONT_SIZE, SMALL, Array, all_looks, legend_above, new_figure, note, picture, tidy
+from quickreturn.reports.drawing.style import FONT_SIZE, SMALL, Array, Drawing, all_looks, legend_above, new_figure, note, tidy
 from quickreturn.reports.words import angle_text
 
 TICKS: Final = (0.0, 0.25, 0.5, 0.75, 1.0)
@@ -24,12 +23,7 @@ TICKS: Final = (0.0, 0.25, 0.5, 0.75, 1.0)
 MOST_PANELS: Final = 8
 
 
-def drawn(results: Sequence[CaseResult], ending: str) -> bytes:
-    """The content of a picture file with the recorded tables of the results; `ending` is ".png", ".svg" or ".pdf"."""
-    return picture(draw(results), ending)
-
-
-def draw(results: Sequence[CaseResult], columns: Sequence[str] = ()) -> Figure:
+def draw(results: Sequence[CaseResult], columns: Sequence[str] = ()) -> Drawing:
     """Draw columns of each result, those named or those of its recorded tables, over its cycle or the turn that is compared."""
     names = [list(columns) or _names(result) for result in results]
     figure = new_figure(1.2 + 1.25 * sum(map(len, names)))

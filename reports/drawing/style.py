@@ -100,6 +100,13 @@ def logarithmic(axes: Axes) -> None:
     axes.yaxis.set_minor_formatter(NullFormatter())
 
 
+def note(axes: Axes, x: float, y: float, text: str, **keywords: Any) -> None:
+    """Write a small remark inside the axes, at x and y in fractions of them, on a white ground that keeps it legible over lines."""
+    chosen = {"fontsize": SMALL, "color": "#333333", "va": "top", "transform": axes.transAxes, "zorder": 5.0, **keywords}
+    ground = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.8}
+    axes.text(x, y, text, bbox=ground, **chosen)
+
+
 def legend_above(figure: Figure, handles: Sequence[Artist], most_columns: int) -> None:
     """Put a legend above all axes, where it covers nothing, in as many columns as fit."""
     fitting = [count for count in range(most_columns, 1, -1) if _legend_width(handles, count) < POINTS_PER_INCH * WIDTH]

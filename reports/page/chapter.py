@@ -2,9 +2,11 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 from quickreturn.reports.tables import Table
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -53,15 +55,15 @@ class Plot:
         return asdict(self)
 
 
-def plots_in(values: Any) -> Iterator[Plot]:
-    """Plots among values, also those in lists, tuples and dictionaries."""
+def found_in(kind: type[T], values: Any) -> Iterator[T]:
+    """Values of a type among others, also those in lists, tuples and dictionaries."""
     for value in values:
-        if isinstance(value, Plot):
+        if isinstance(value, kind):
             yield value
         elif isinstance(value, (list, tuple)):
-            yield from plots_in(value)
+            yield from found_in(kind, value)
         elif isinstance(value, Mapping):
-            yield from plots_in(value.values())
+            yield from found_in(kind, value.values())
 
 
 @dataclass(frozen=True)
@@ -75,23 +77,14 @@ class Chapter:
 
     @property
     def tables(self) -> Iterator[Table]:
-        """All tables among the facts, in their order."""
-        return tables_in(self.facts.values())
+        """All tables with rows among the facts, in their order."""
+        return (table for table in found_in(Table, self.facts.values()) if table.rows)
 
     @property
     def plots(self) -> Iterator[Plot]:
         """All plots among the facts."""
-        return plots_in(self.facts.values())
+        return found_in(Plot, self.facts.values())
 
 
 #: A function that makes a chapter of a page from its content; None where a report has no such chapter.
 MakeChapter = Callable[[Any], Chapter | None]
-
-
-def tables_in(values: Any) -> Iterator[Table]:
-    """Tables that have rows, among values and in lists of values."""
-    for value in values:
-        if isinstance(value, Table):
-            yield from [value] if value.rows else []
-        elif isinstance(value, (list, tuple)):
-            yield from tables_in(value)

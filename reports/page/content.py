@@ -20,8 +20,6 @@ from quickreturn.engines.registry import MAIN
 from quickreturn.reports.page.chapter import MakeChapter
 
 FILE: Final = "verification.json"
-#: The code that the verification depends on.
-PARTS: Final = ("quickreturn.reference_model", "quickreturn.engines", "quickreturn.cases")
 
 
 @dataclass(frozen=True)
@@ -46,7 +44,7 @@ def verification(folder: Path) -> Verification:
         return Verification(absent="It has not been run with this store.")
     except (OSError, ValueError, KeyError, TypeError):
         return Verification(absent=f"{FILE} in the store cannot be read.")
-    if document.get("code") != code_fingerprint(PARTS):
+    if document.get("code") != code_fingerprint():
         return Verification(absent="Its stored results were made with other code than this page, so they are not shown.")
     return stored
 

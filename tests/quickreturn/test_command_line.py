@@ -120,12 +120,6 @@ def test_interrupt_is_exit_130_and_leaves_nothing_behind(tmp_path: Path) -> None
     assert sorted(file.name for file in tmp_path.iterdir()) == ["packages", "small.toml"]
 
 
-def test_show_groups_parts_that_differ_in_their_numbers_alone() -> None:
-    from quickreturn.commands.case_document import grouped
-
-    assert grouped(["crank", "link 1: rod", "link 2: rod", "link 3: rod", "tip"]) == ["crank", "link 1 to 3: rod", "tip"]
-
-
 @pytest.mark.parametrize(("returned", "code"), [("[10.0, float('nan')]", 3), ("[]", 0)])
 def test_frequencies_that_cannot_be_are_the_engines_failure_and_none_is_an_answer(
     call: Call, tmp_path: Path, returned: str, code: int

@@ -97,14 +97,3 @@ def test_an_engine_asked_for_by_name_that_refuses_costs_the_others_nothing(call:
     assert found["carries"]["status"] == "settled"
     assert len(found["carries"]["measures"]) == 8
     assert (case["passed"], "sound: refused" in case["reason"]) == (None, True)
-
-
-def test_engines_that_all_refuse_leave_a_document_and_no_table_and_one_of_the_main_ones_may(
-    call: Call, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    answer, case = run(call, "sound", more=HEAVY)
-    assert (answer.code, answer.output, "slider.mass" in answer.errors) == (2, "", True)
-    assert [engine["status"] for engine in case["engines"]] == ["refused"]
-    monkeypatch.setattr("quickreturn.arguments.MAIN", ("sound", "carries"))
-    answer, case = run(call, more=HEAVY)
-    assert (answer.code, answer.errors, case["passed"]) == (0, "", None)

@@ -17,7 +17,6 @@ from quickreturn.reference_model.native.cache_folder import folder
 from quickreturn.reference_model.scene_values import SPIN_UP
 from tests.quickreturn.conftest import Call
 from tests.quickreturn.input.answers import refused
-from tests.quickreturn.scene_file import SCENE
 
 
 def test_what_follows_from_the_follower_is_shown(call: Call) -> None:
@@ -101,13 +100,6 @@ def test_every_engine_says_what_it_makes_of_the_joint(call: Call, overrides: tup
     assert told["thesis"].startswith("slider.")
 
 
-def test_a_table_of_forces_is_told_by_its_file_its_points_and_extremes(call: Call) -> None:
-    shown = call("show", "shaper-chips").output
-    assert re.search(r"force_table +shaper-chips.csv of 24 points: -180 to 0 N along n1, 0 to 1580 N along n2 *\n", shown)
-    told = json.loads(call("show", "shaper-chips", "--json").output)["scene"]["tip"]["force_table"]
-    assert (told["file"], told["second"][6]) == ("shaper-chips.csv", 400.0)
-
-
 def test_from_nothing_it_is_a_machine_with_every_key(call: Call, tmp_path: Path) -> None:
     answer = call("new", "my-machine.toml")
     assert (answer.code, answer.errors) == (0, "")
@@ -131,16 +123,6 @@ def test_a_copy_has_the_values_of_the_case_as_they_are_written(call: Call, tmp_p
     assert "A copy of thesis-24 (Run 24: crank 4 in, six plates, 16.6 rad/s, with follower.bending_stiffness = 3000 lbf*in^2)." in prose
     for note in load_case("thesis-24").notes:  # what was replaced of the published values is not forgotten in the copy
         assert f"Note: {note}." in prose
-
-
-def test_a_file_can_be_copied_and_its_doubtful_values_are_told(call: Call, tmp_path: Path) -> None:
-    (tmp_path / "small.toml").write_text(SCENE)
-    answer = call("new", "other.toml", "--from", "small.toml", "--set", "follower.thickness=5 cm")
-    assert answer.code == 0
-    assert answer.errors.startswith("quickreturn: other: note: follower.thickness is 0.05 m")
-    case = load_case("other.toml")
-    assert (case.name, case.scene.follower.thickness) == ("other", 0.05)
-    assert "Note:" not in (tmp_path / "other.toml").read_text()  # the notes of a file follow from its values
 
 
 @pytest.mark.parametrize(("origin", "commands"), [("example", ["show", "plot", "simulate", "run"]), ("spin-up", ["show", "simulate"])])

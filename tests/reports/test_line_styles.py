@@ -84,11 +84,6 @@ def test_text_can_be_read(ground: str, text: str) -> None:
         assert contrast(colours[text], colours[ground]) >= 4.5
 
 
-def test_edges_of_controls_can_be_seen() -> None:
-    for colours in (LIGHT, DARK):
-        assert contrast(colours["edge"], colours["ground"]) >= 3.0
-
-
 @pytest.mark.parametrize("eyes", EYES)
 @pytest.mark.parametrize("names", [(*ENGINES, "press", "a.csv", "mine"), tuple(SIGNALS)], ids=["engines", "signals"])
 def test_colours_keep_apart_for_every_eye(names: tuple[str, ...], eyes: str) -> None:
@@ -97,13 +92,6 @@ def test_colours_keep_apart_for_every_eye(names: tuple[str, ...], eyes: str) -> 
         colours = {getattr(look, scheme) for look in found.values()}
         near = [np.linalg.norm(lab(one, EYES[eyes]) - lab(other, EYES[eyes])) for one, other in combinations(sorted(colours), 2)]
         assert min(near) >= APART
-
-
-def test_a_simulated_eye_does_not_tell_red_from_green() -> None:
-    """The same colours, equally light, for all eyes and for those without cones for green: the simulation is one."""
-    red, green = "#b06040", "#808000"
-    assert np.linalg.norm(lab(red, EYES["all cones"]) - lab(green, EYES["all cones"])) > 40.0
-    assert np.linalg.norm(lab(red, EYES["deuteranopia"]) - lab(green, EYES["deuteranopia"])) < 20.0
 
 
 @pytest.mark.parametrize("names", [tuple(ENGINES), tuple(SIGNALS)], ids=["engines", "signals"])
@@ -122,13 +110,6 @@ def test_a_name_has_its_look_in_any_company() -> None:
     alone, among = looks(["press"])["press"], looks([*MAIN, "press", *SIGNALS])["press"]
     assert alone == among == looks(["press", "reference"])["press"]
     assert looks([*RIVALS, *MAIN])["mujoco"] == looks(["mujoco"])["mujoco"]
-
-
-def test_unknown_names_take_turns() -> None:
-    names = [f"engine {k}" for k in range(5)]
-    assert len({look.marker for look in looks(names).values()}) == 5
-    assert looks(names) == looks(names[::-1])
-    assert len(looks([f"engine {k}" for k in range(12)])) == 12
 
 
 def test_pictures_have_the_colours_of_the_page() -> None:

@@ -4,10 +4,8 @@ import csv
 import io
 import math
 
-import pytest
-
 from quickreturn.reports.tables import Cell, Column, Table
-from quickreturn.reports.words import angle_text, cost, counted, listed, number, percent, settings_words, size
+from quickreturn.reports.words import cost, counted, listed, number, percent, settings_words, size
 
 
 def made(**cells: object) -> Table:
@@ -58,11 +56,6 @@ def test_a_table_is_a_frame_with_units() -> None:
     assert frame["frequency remark"][0] == "told"
 
 
-def test_a_column_that_does_not_exist_is_an_error() -> None:
-    with pytest.raises(KeyError, match="no column typo"):
-        made(typo=1.0)
-
-
 def test_numbers_are_written_as_people_write_them() -> None:
     assert [cost(seconds) for seconds in (0.00123, 0.0478, 1.234, 1234.5)] == ["0.0012", "0.048", "1.23", "1234.50"]
     assert number(-1.5, ".1f") == "−1.5"
@@ -77,27 +70,3 @@ def test_numbers_are_written_as_people_write_them() -> None:
     assert listed(["a", "b", "c"]) == "a, b and c"
     assert counted(1, "run") == "1\N{NO-BREAK SPACE}run"
     assert counted(2, "half", "halves") == "2\N{NO-BREAK SPACE}halves"
-
-
-def test_crank_angles_are_shown_within_one_turn() -> None:
-    assert [angle_text(degrees) for degrees in (0.0, 91.5, 360.0, 451.0, 540.0, -90.0)] == ["0°", "91.5°", "360°", "91°", "180°", "270°"]
-
-
-def test_a_table_tells_what_its_headings_mean() -> None:
-    table = Table(
-        "made_up",
-        "A caption.",
-        ("run", Column("f", "f₁", meaning="of all"), Column("g", "f₁", meaning="of all"), Column("h", in_page=False, meaning="no")),
-    )
-    assert table.meanings == {"f₁": "of all"}
-
-
-def test_a_caption_is_one_line_however_it_is_wrapped_in_the_code() -> None:
-    table = Table(
-        "made_up",
-        """A caption
-        of several lines,\N{NO-BREAK SPACE}wrapped.""",
-        ("run",),
-    )
-    assert table.caption == "A caption of several lines,\N{NO-BREAK SPACE}wrapped."
-    assert table.frame.attrs["caption"] == table.caption

@@ -4,6 +4,7 @@ The tables are by `mujoco` and `exudyn`, which share neither shapes nor integrat
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -98,6 +99,12 @@ def test_the_constants_are_those_of_the_fault(table: Columns, reference: Run) ->
     frequency = float(words(low_pass(1, 60.0)).split("first order at ")[1].split(" Hz")[0])
     assert frequency == pytest.approx(60.0, rel=0.03)
     assert "comes in steps of 2e-05" in words(lambda values, _: 2e-5 * np.round(values / 2e-5))
+
+
+def test_a_row_beyond_the_turn_by_rounding_hides_no_factor(table: Columns, reference: Run) -> None:
+    run = recorded_run(table_of(table | {"strain_2": 1.2 * table["strain_2"]}), CASE)
+    wide = replace(run, cycle={**run.cycle, "crank_angle": (1.0 + 1e-12) * run.cycle["crank_angle"]})
+    assert causes(wide, reference).told(CASE.name)["strain_2"].startswith("strain_2 is 1.2 times that of reference")
 
 
 def test_one_delay_of_all_columns_is_told_once(table: Columns, reference: Run) -> None:

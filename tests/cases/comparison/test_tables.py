@@ -97,14 +97,6 @@ def test_noise_is_no_disagreement(transient: pd.DataFrame, in_turn_5: Run, recor
         assert 3.0 < run.approach.settling_errors[name] / (share * transient[name].std()) < 6.0
 
 
-@pytest.mark.parametrize("digits", [4, 8])
-def test_neither_are_few_digits_and_another_sampling(transient: pd.DataFrame, in_turn_5: Run, recorded: Recorded, digits: int) -> None:
-    some = transient[::2] if digits < 8 else transient.drop(index=range(3, 2001, 7))
-    rounded = {name: [float(f"{value:.{digits}g}") for value in some[name]] for name in COLUMNS[1:]}
-    result = held(recorded(some, **rounded), in_turn_5)
-    assert result.passed is True, result.missed
-
-
 def test_where_no_column_tells_the_start_the_way_to_the_steady_state_does(transient: pd.DataFrame, recorded: Recorded) -> None:
     assert recorded(transient[["time", "crank_angle", "tip_acceleration"]]).approach.turn == 5
     assert recorded(transient[["time", "crank_angle", "tip_acceleration"]][:400]).approach.turn is None  # a single turn is taken to repeat
@@ -117,11 +109,6 @@ def test_a_table_that_settles_is_held_against_the_steady_state(settled: pd.DataF
     result = held(run, steady)
     assert result.passed is True, result.missed
     assert result.accuracy_class("tool.csv") in ("0.1 %", "0.3 %")
-
-
-def test_columns_that_are_zero_decide_nothing(transient: pd.DataFrame, recorded: Recorded) -> None:
-    zero = transient[["time", "crank_angle"]][:1300].assign(tip_deflection=0.0)  # three turns, too few for a trend
-    assert recorded(zero).status is not Ending.FAILED
 
 
 def test_a_single_turn_is_taken_to_repeat(settled: pd.DataFrame, steady: Run, recorded: Recorded) -> None:
@@ -224,31 +211,10 @@ def test_a_stiffness_that_is_a_percent_off_shows_in_the_vibration_of_a_table(
     assert "disagrees" in {check.verdict for check in found["wrong"]}
 
 
-def test_rows_that_are_evenly_coarse_are_no_gap(settled: pd.DataFrame, recorded: Recorded) -> None:
-    with pytest.raises(CaseError, match=r"has a row every 0\.012 s; at most 0\.00378 s, 0\.01 of a turn, are accepted"):
-        recorded(settled[-3000::12])
-
-
 def test_strains_that_loads_leave_in_a_straight_beam_are_no_other_start(transient: pd.DataFrame, recorded: Recorded) -> None:
     share = 3e-3 * transient["strain_2"].abs().max() * np.exp(-20.0 * transient["time"])  # as gravity does
     run = recorded(transient, strain_2=transient["strain_2"] + share)
     assert (run.approach.turn, run.remark) == (5, "")
-
-
-@pytest.mark.parametrize(
-    ("first", "changes", "words"),
-    [
-        (0, {"time": lambda t: t["time"] + 3e-3, "crank_angle": lambda t: t["crank_angle"] + 0.1}, ["time 0.003 instead of 0"]),
-        (100, {}, ["time 0.1 instead of 0", "and 2 more"]),  # four turns, too few to tell their trend
-    ],
-)
-def test_another_start_is_told_by_what_departs(
-    transient: pd.DataFrame, recorded: Recorded, first: int, changes: dict[str, Any], words: list[str]
-) -> None:
-    run = recorded(transient[first:], **{name: change(transient[first:]) for name, change in changes.items()})
-    assert run.status == Ending.NOT_SETTLED
-    for word in words:
-        assert word in run.remark
 
 
 @pytest.mark.parametrize("first", [12.5, -0.25])
@@ -282,15 +248,6 @@ def test_turns_that_lack_rows_are_not_used_and_it_is_told(
     assert column_differences(run, in_turn_5)["strain_2"] < 1e-3
 
 
-def test_a_steady_state_is_judged_by_the_turns_after_a_gap(settled: pd.DataFrame, recorded: Recorded) -> None:
-    later = settled[settled["time"] > 8.0]
-    whole, run = recorded(later), recorded(later[(later["time"] < 10.0) | (later["time"] > 10.01)])
-    assert run.status == whole.status == Ending.SETTLED
-    assert run.approach.cycles < whole.approach.cycles - 4
-    assert "1 of its turns lacks rows" in run.remark
-    assert "are used" in run.remark
-
-
 def test_a_wrapped_angle_does_not_tell_the_turns_in_a_gap(transient: pd.DataFrame, recorded: Recorded) -> None:
     some = transient[(transient["time"] < 0.30) | (transient["time"] > 1.20)]
     with pytest.raises(CaseError, match=r"no row for 0\.902 s after 0\.299 s, and the wrapped crank_angle does not tell its turns"):
@@ -308,13 +265,6 @@ def test_a_table_on_its_way_from_elsewhere_is_not_judged(transient: pd.DataFrame
     assert result.failures == (result.runs["tool.csv"],)
 
 
-def test_beside_a_steady_engine_a_transient_table_has_not_settled(transient: pd.DataFrame, steady: Run, recorded: Recorded) -> None:
-    result = held(recorded(transient), steady)
-    assert result.runs["tool.csv"].status == Ending.NOT_SETTLED
-    assert "compare" in result.runs["tool.csv"].remark
-    assert result.checks == ()
-
-
 def test_without_a_crank_angle_the_crank_is_taken_to_turn_evenly(transient: pd.DataFrame, in_turn_5: Run, recorded: Recorded) -> None:
     run = recorded(transient[["time", "strain_2"]])
     assert "16.617" in run.remark
@@ -323,26 +273,11 @@ def test_without_a_crank_angle_the_crank_is_taken_to_turn_evenly(transient: pd.D
     assert alone.first_mode_frequency == pytest.approx(whole.first_mode_frequency, rel=0.01)  # the crank's speed varies by 2.5 %
 
 
-def test_rows_too_far_apart_for_the_first_mode(transient: pd.DataFrame, recorded: Recorded) -> None:
-    stiff = load_case("thesis-24", {"follower.bending_stiffness": "100000 N*m^2"})
-    run = recorded(transient)
-    found = recorded_run(read_table(run.recording.path), stiff).measure("pre", "strain_2")
-    assert found.first_mode_frequency is None
-    assert "rows lie up to" in found.reason
-
-
 def test_a_right_table_with_an_encoder_is_not_accused(transient: pd.DataFrame, in_turn_5: Run, recorded: Recorded) -> None:
     step = np.radians(0.45)
     places = {name: transient[name] for name in ("follower_angle", "tip_y", "slider_force")}
     result = held(recorded(transient, **places, crank_angle=step * np.round(transient["crank_angle"] / step)), in_turn_5)
     assert result.passed is True, result.missed
-
-
-def test_encoders_with_steps(transient: pd.DataFrame, in_turn_5: Run, recorded: Recorded) -> None:
-    step = np.radians(3.0)  # the crank turns 0.95 deg in a millisecond
-    run = recorded(transient, crank_angle=step * np.floor(transient["crank_angle"] / step))
-    ours = run.measure("pre", "tip_acceleration")
-    assert in_turn_5.consensus_frequency("pre") == pytest.approx(ours.first_mode_frequency, rel=0.02)
 
 
 @pytest.mark.parametrize(

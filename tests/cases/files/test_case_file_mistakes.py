@@ -6,7 +6,6 @@ from hypothesis import strategies as st
 
 from quickreturn.cases.files.case import parse_case
 from quickreturn.cases.files.errors import CaseError
-from quickreturn.cases.files.keys import dimension_of
 from quickreturn.cases.library import ENTRIES, case_names, load_case
 from tests.cases.files.scene_texts import SCENE, changed, message
 
@@ -15,13 +14,7 @@ TORQUE, JOINT, GAUGES = 'torque = "10 lbf*in"', 'joint_stiffness = "100 lbf/in"'
 DAMPING, START = 'damping = "0.60176535 lbf*in*s/rad"\n', 'initial_speed = "16.617773 rad/s"'
 #: What stands in the file, what is written instead, the place that is named, and a word of what is accepted or wrong.
 BAD = [
-    (LENGTH, 'length = "4 kg"', "crank.length", "a mass (kg), but a length"),
-    (LENGTH, 'length = "\\u001b[31m4 in"', "crank.length", '"\\x1b[31m4 in" cannot be read'),
-    (START, 'initial_speed = "2.64 Hz"', "crank.initial_speed", "an angular speed"),
-    ("pivot_distance", "pivot_distanse", "mechanism.pivot_distanse", "mechanism.pivot_distance"),
-    ("[base]", "[bass]", "bass", "nearest known one is base"),
     ("[base]", "[[base]]", "base", "[base]"),
-    ('title = "A scene"', 'titel = "A scene"', "titel", "title"),
     ('tags = ["test"]', 'gravity = ["0 N/kg"]', "gravity", "mechanism.gravity"),
     ('[simulation]\nduration = "2 s"\noutput_step = "1 ms"\n', "", "[simulation]", "duration, output_step"),
     ('name = "scene"\n', "", "name", "missing"),
@@ -51,7 +44,6 @@ BAD = [
     ('width = "1.5 in"', "width = 1,5 in", "line 28", "[section]"),
     ('width = "1.5 in"', "width = '1.5 in", "line 28", "[section]"),  # the parser looks for ' up to the end
     ('width = "1.5 in"', "width = “1.5 in”", "line 28", "typographic quotes"),
-    (STEP, "output_step =", "line 49", "[section]"),
     ('width = "1.5 in"', 'width = "1.5 in"\nwidth = "2 in"', "line 29", "repeats an earlier key"),
 ]
 
@@ -69,39 +61,12 @@ def test_a_torque_driven_crank_needs_inertia_of_its_own() -> None:
     assert message(light.replace('mass = "0.01 lbf*s^2/in"', 'mass = "0 kg"')).startswith('scene.toml: crank.inertia: "0 kg*m^2" ')
 
 
-#: Numbers of which quantities accept, of 0 and -1, which.
-SIGNS = {
-    (): """mechanism.pivot_distance crank.length follower.length follower.mass_per_length follower.bending_stiffness
-        follower.thickness follower.width slider.joint_stiffness simulation.duration simulation.output_step""",
-    (0,): """crank.mass crank.inertia crank.damping base.inertia base.damping follower.damping tip.mass tip.inertia slider.mass
-        slider.inertia slider.joint_damping""",
-    (0, -1): "crank.center_of_mass crank.torque crank.initial_angle crank.initial_speed tip.center_of_mass",
-}
-
-
-@pytest.mark.parametrize(("accepted", "path"), [(accepted, path) for accepted, paths in SIGNS.items() for path in paths.split()])
-def test_signs_are_accepted_where_they_make_sense(accepted: tuple[int, ...], path: str) -> None:
-    for number in (0, -1):
-        given = {path: f"{number} {dimension_of(path).examples[0]}"}
-        if number in accepted:
-            parse_case(SCENE, "scene.toml", given)
-        else:
-            with pytest.raises(CaseError, match=r"is not positive|is negative"):
-                parse_case(SCENE, "scene.toml", given)
-
-
 def test_all_that_is_missing_is_named_in_one_sentence() -> None:
     lacking = changed(f"{ANGLE}\n", "").replace('damping = "2e-5 lbf*in*s/rad"\n', "").replace(f"{STEP}\n", "")
     assert "initial_angle: this key is missing, and so are base.damping and simulation.output_step; " in message(lacking)
     without_base = lacking[: lacking.index("[base]")] + lacking[lacking.index("[follower]") :]
     assert "missing, and so are [base] and simulation.output_step; " in message(without_base)
     assert "[mechanism]: this section is missing, and so are [crank], [base], [follower] and [simulation]; " in message('name = "x"')
-
-
-@given(st.text(max_size=300))
-def test_any_text_is_either_a_case_or_refused(text: str) -> None:
-    with pytest.raises(CaseError, match=r"^scene\.toml: "):
-        parse_case(text, "scene.toml")
 
 
 @given(st.integers(0, len(SCENE) - 1), st.integers(0, len(SCENE) - 1), st.sampled_from(["", '"', "=", "[", "0", "-", " ", "\n", "é", "\0"]))
@@ -138,38 +103,15 @@ def test_mistakes_in_overrides_are_told_together(keys: tuple[str, str]) -> None:
 MATERIALS = {
     "steel": ("210 GPa", "7850 kg/m^3"),
     "aluminium": ("70 GPa", "2700 kg/m^3"),
-    "magnesium": ("45 GPa", "1740 kg/m^3"),
-    "lead": ("16 GPa", "11340 kg/m^3"),
     "carbon fibre in epoxy": ("140 GPa", "1600 kg/m^3"),
-    "glass fibre in epoxy": ("20 GPa", "1900 kg/m^3"),
     "pine along the grain": ("10 GPa", "500 kg/m^3"),
-    "acetal": ("3 GPa", "1410 kg/m^3"),
     "polycarbonate": ("2.3 GPa", "1200 kg/m^3"),
     "PTFE": ("0.5 GPa", "2200 kg/m^3"),
-    "diamond": ("1100 GPa", "3500 kg/m^3"),
 }
 
 
 def notes(**overrides: str) -> tuple[str, ...]:
     return parse_case(SCENE, "scene.toml", {f"follower.{key}": value for key, value in overrides.items()}).notes
-
-
-#: From 1 m below P to the end of the arm, 0.635 m long, which swings by asin(4 / 18) about 180 deg: sqrt(0.635^2 + 1 +- 2 0.635 4 / 18) m.
-BELOW = {"spring.anchor": '["18 in", "-1 m"]', "spring.stiffness": "0 N/m", "spring.stop_stiffness": "2 N/mm"}
-
-
-@pytest.mark.parametrize(
-    ("stop", "words"),
-    [
-        ({"longest": "0.9 m"}, "spring.longest is 0.9 m, and the spring is 1.059 to 1.298 m long over the turn: the stop never lets go"),
-        ({"shortest": "1.4 m"}, "spring.shortest is 1.4 m, and the spring is 1.059 to 1.298 m long over the turn: the stop never lets go"),
-        ({"longest": "1.1 m"}, ""),
-        ({"shortest": "1.2 m"}, ""),
-    ],
-)
-def test_a_stop_that_never_lets_go_is_doubted(stop: dict[str, str], words: str) -> None:
-    found = parse_case(SCENE, "scene.toml", BELOW | {f"spring.{key}": value for key, value in stop.items()}).notes
-    assert [note.startswith(words) for note in found] == [True] * bool(words)
 
 
 @pytest.mark.parametrize(
@@ -178,13 +120,8 @@ def test_a_stop_that_never_lets_go_is_doubted(stop: dict[str, str], words: str) 
         ({"follower.length": "602.7 m"}, ("follower.length", "602.7 m")),
         ({"follower.thickness": "17 cm"}, ("follower.thickness", "0.17 m", "quarter")),
         ({"follower.thickness": "40 mm"}, ("follower.thickness", "0.04 m", "the width (0.0381 m)", "stiff side")),
-        ({"follower.width": "3 mm"}, ("follower.thickness", "0.003175 m", "the width (0.003 m)")),
-        ({"follower.mass_per_length": "300 kg/m"}, ("follower.mass_per_length", "(or density)")),
-        ({"follower.bending_stiffness": "2e6 N*m^2"}, ("follower.bending_stiffness", "(or elastic_modulus)", "steel")),
         ({"follower.bending_stiffness": "0.021 N*m^2"}, ("follower.bending_stiffness", "207 MPa", "2713 kg/m^3", "steel 210 GPa")),
-        ({"crank.initial_speed": "40000 rpm"}, ("crank", "40000 rpm")),
         ({"crank.center_of_mass": "76 m"}, ("crank.center_of_mass", "76 m", "pivot distance")),
-        ({"tip.center_of_mass": "12 m"}, ("tip.center_of_mass", "12 m", "length")),
         ({"tip.mass": "1.1 kg"}, ("tip.mass", "1.1 kg", "5.28 times", "0.208 kg")),  # 0.32818 kg/m x 0.635 m = 0.2084 kg
     ],
 )
@@ -200,21 +137,11 @@ def test_materials_that_there_are_raise_no_doubt(material: str) -> None:
     assert notes(elastic_modulus=modulus, density=density) == ()
 
 
-@pytest.mark.parametrize("material", ["steel", "aluminium", "magnesium", "lead", "carbon fibre in epoxy", "pine along the grain"])
+@pytest.mark.parametrize("material", ["steel", "aluminium", "carbon fibre in epoxy", "pine along the grain"])
 def test_megapascals_for_gigapascals_are_doubted_for_every_stiff_material(material: str) -> None:
     modulus, density = MATERIALS[material]
     (note,) = notes(elastic_modulus=modulus.replace("GPa", "MPa"), density=density)
     assert f"a modulus of {modulus.replace('GPa', 'MPa')} " in note
-
-
-def test_a_metal_as_soft_as_a_plastic_is_doubted_by_its_density() -> None:
-    (note,) = notes(elastic_modulus="2.1 GPa", density="7850 kg/m^3")
-    assert "2.1 GPa" in note
-    assert "7850 kg/m^3" in note
-
-
-def test_a_slider_may_carry_a_heavy_tool_up_to_five_arms() -> None:
-    assert parse_case(SCENE, "scene.toml", {"tip.mass": "1 kg"}).notes == ()  # 4.8 times 0.2084 kg
 
 
 def test_values_of_the_library_are_meant_and_changed_ones_may_be_doubted() -> None:

@@ -13,8 +13,6 @@ from quickreturn.cases.files.errors import CaseError
 from quickreturn.cases.files.written import as_toml
 from quickreturn.cases.library import library_case, load_case
 from quickreturn.cases.running.key import hash_of
-from quickreturn.plugins.studies.sweep.grid import Grid, axis, scenes_of
-from quickreturn.plugins.studies.uncertainty.parameters import Parameter
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.tip import ForceTable
 from quickreturn.reports.other_tools import for_other_tools
@@ -41,28 +39,6 @@ def test_a_table_beside_the_case_file_arrives_in_si(tmp_path: Path) -> None:
     assert str(table) == "cutting.csv of 4 points: -5000 to 7000 N along n1, -8 to 6 N along n2"
 
 
-@pytest.mark.parametrize(
-    "table",
-    [
-        TABLE.replace(", ", ";"),
-        TABLE.replace(", ", "\t"),
-        TABLE.replace(", ", ";").replace("270;7;", "270,0;7,0;"),
-        TABLE.replace("crank_angle [deg]", '"crank_angle [deg]"'),
-    ],
-)
-def test_it_may_be_written_as_any_recorded_table(tmp_path: Path, table: str) -> None:
-    """Semicolons, tabulators, decimal commas, quotes; the case file that holds the table reads back as the same scene."""
-    (tmp_path / "commas").mkdir()
-    assert loaded(tmp_path, table) == loaded(tmp_path / "commas")
-    case = load_case(str(tmp_path / "scene.toml"))
-    assert parse_case(as_toml(document_of(case)), "again.toml").mechanism == case.mechanism
-
-
-def test_numbers_with_two_meanings_are_asked_back_without_an_option_of_another_command(tmp_path: Path) -> None:
-    with pytest.raises(CaseError, match=r'line 3: "1,250" can be read in two ways; .* write decimals with a point'):
-        loaded(tmp_path, "# of a mill\ncrank_angle [deg];force_n1 [N];force_n2 [N]\n0;1,250;2\n90;3;4\n180;5;6\n270;7;8\n")
-
-
 def test_columns_may_stand_in_any_order_and_the_force_may_follow(tmp_path: Path) -> None:
     table = loaded(tmp_path, "force_normal [N],crank_angle [rad],force_along [N]\n1,0.5,2\n3,1,4\n5,2,6\n7,5,8\n").tip_body.force_table
     assert table == ForceTable((0.5, 1.0, 2.0, 5.0), (2.0, 4.0, 6.0, 8.0), (1.0, 3.0, 5.0, 7.0), follows=True)
@@ -78,20 +54,12 @@ def test_a_last_row_a_turn_later_is_the_first_one(tmp_path: Path) -> None:
         (None, r'scene.toml: tip.force_table: "cutting.csv" there is no such file; give a CSV file that begins with'),
         ("", "cutting.csv (tip.force_table): is empty"),
         (TABLE.replace("n2", "n3"), 'line 2: "force_n3 [N]" is no column of a table of forces; write "crank_angle [deg], '),
-        (TABLE.replace("n2", "normal"), "has not the three columns of a table of forces"),
         (TABLE.replace(" [kN]", ""), 'line 2: "force_n1" has no unit; write it in brackets, such as "force_n1 [N]"'),
-        (TABLE.replace("kN", "m"), 'line 2, force_n1: "m" is a length (m), but a force is needed'),
-        (TABLE.replace("deg", "s"), 'line 2, crank_angle: "s" is'),
-        (TABLE.replace("force_n2", "force_n1"), "gives force_n1 a second time"),
-        (TABLE.replace("-5", "x"), 'line 5, force_n1: "x" is no plain number'),
         (TABLE.replace("-5", ""), "lacks a number in 1 of its rows"),
         (TABLE.replace("180", "80"), "line 5, crank_angle: 80 does not rise"),
         (TABLE.replace("270, 7, -8\n", ""), "(tip.force_table): has 3 points; at least 4 are needed"),
-        (TABLE.replace("270, 7, -8\n", "360, 1, 2\n"), "(tip.force_table): has 3 points; at least 4 are needed"),
         (TABLE + "360, 1, 2.5\n", "line 7, force_n2: 2.5 N differs from 2 N a turn before (line 3): the table does not close;"),
         (TABLE + "400, 1, 2\n", "line 7, crank_angle: 400 deg lies 40 deg beyond a turn from the first row"),
-        ("0, 1, 2\n" + ROWS, "line 1: has numbers where a heading is due"),
-        (TABLE.replace("90, 3, 4", "90, 3"), "line 4:"),
     ],
 )
 def test_each_mistake_is_one_sentence_with_file_row_and_column(tmp_path: Path, table: str | None, told: str) -> None:
@@ -137,26 +105,6 @@ def test_one_force_takes_the_place_of_another_that_is_set_from_outside(tmp_path:
     assert (tip.force_table, tip.force_following, tip.follows) == (None, (1.0, 2.0), True)
     tip = load_case("scene.toml", {"tip.force": '["1 N", "2 N"]'}).mechanism.tip_body
     assert (tip.force_table, tip.components, tip.follows) == (None, (1.0, 2.0), False)
-
-
-def test_a_sweep_varies_other_keys_the_scale_and_the_table_itself(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    loaded(tmp_path)
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "other.csv").write_text(TABLE.replace("-8", "-9"))
-    case = load_case("scene.toml")
-    for text, found in (
-        ("tip.force_scale = 0.5; 1.5", lambda tip: tip.force_scale),
-        ("tip.mass = 10 g; 20 g", lambda tip: tip.mass),
-        ("tip.force_table = cutting.csv; other.csv", lambda tip: tip.force_table.second[3]),
-    ):
-        grid = Grid(case, (axis(text),))
-        scenes = scenes_of(case, [grid.changes((0,)), grid.changes((1,))])
-        first, second = (found(scene.tip) for scene in scenes if isinstance(scene, Mechanism))
-        assert first != second
-    assert Parameter.of_key("tip.force_scale", "calibrate").of(case.mechanism) == 1.0
-    for key in ("tip.force_table", "tip.force_table[1]"):
-        with pytest.raises(CaseError, match=r"names no single number; write tip.force_scale"):
-            Parameter.of_key(key, "calibrate")
 
 
 def test_another_tool_is_told_the_table() -> None:

@@ -68,16 +68,6 @@ def test_gaps_in_evenly_sampled_rows_are_told(missing: tuple[int, ...], told: st
     assert table_of({"time": time, "tip_x": time}).noted == ((told,) if told else ())
 
 
-def test_uneven_sampling_has_no_gaps() -> None:
-    assert gaps(np.cumsum(0.01 * (1.0 + 0.9 * np.sin(np.arange(40))))) == ""
-
-
-def test_dates_are_no_numbers() -> None:
-    times = np.array(["2024-05-06T10:11:12", "2024-05-06T10:11:13"], dtype="datetime64[ns]")
-    with pytest.raises(CaseError, match='row 0, time: "2024-05-06T10:11:12'):
-        table_of({"time": times, "tip_x": [0.0, 1.0]})
-
-
 def test_noise_has_its_size() -> None:
     noise = 0.05 * np.random.default_rng(1).standard_normal(len(TIME))
     assert scatter(TIME, SMOOTH + noise) == pytest.approx(DEVIATIONS * 0.05, rel=0.1)

@@ -2,7 +2,6 @@
 
 import random
 import re
-from dataclasses import replace
 
 import pint
 import pytest
@@ -10,10 +9,9 @@ import pytest
 from quickreturn.cases.files.case import Case, parse_case
 from quickreturn.cases.files.errors import CaseError
 from quickreturn.cases.files.keys import PATHS
-from quickreturn.cases.files.shown import METRIC, SETS, Unit, Units, units_named, units_of
+from quickreturn.cases.files.shown import METRIC, SETS, Unit, Units, units_of
 from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.catalogue import MEASURES
-from quickreturn.cases.motion.resonance import Resonance
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reports.words import MINUS, TIED, quantity
 from tests.quickreturn.scene_file import SCENE
@@ -100,22 +98,3 @@ def test_a_format_keeps_its_digits_in_another_unit() -> None:
     assert [METRIC.form(si, ".1f") for si in ("m", "Pa", "m/s^2", "rad/s")] == [".1f", ".1f", ".1f", ".0f"]
     assert [inch.form(si, ".1f") for si in ("m", "Pa", "m/s^2", "N")] == [".2f", ".0f", ".0f", ".2f"]
     assert (inch.form("m", ".3g"), inch.form("m", "+.1f"), inch.form("J", "")) == (".3g", "+.2f", "")
-
-
-def test_signs_of_units_on_pages() -> None:
-    assert [Unit(name).sign for name in ("m/s^2", "lbf*in", "N*m*s/rad", "kg/m^3")] == ["m/s²", "lbf in", "N m s/rad", "kg/m³"]
-    assert Unit("1").text(0.25) == "0.25"
-
-
-@pytest.mark.parametrize(
-    ("watts", "text"),
-    [(0.04, "5.364·10⁻⁵ hp"), (0.0037, "4.962·10⁻⁶ hp"), (745.6998715822702, "1.000 hp"), (0.0, "0 hp")],  # of 550 ft lbf/s each
-)
-def test_small_numbers_keep_four_figures(watts: float, text: str) -> None:
-    assert quantity(watts, units_named("inch").of("W")).replace(TIED, " ") == text
-
-
-def test_a_resonance_far_away_is_told_without_an_exponent() -> None:
-    slow = Resonance(first_mode=0.6, lowest=0.5, crank=1.2)
-    assert "50 % slower" in slow.sentence(units_named("inch"))
-    assert "100 % slower" in replace(slow, first_mode=0.0045).sentence(units_named("inch"))

@@ -70,11 +70,6 @@ def plain() -> CycleMeasures:
     return measure_cycle(scale, *vibrating_cycle(scale, speed, FACTOR, AMPLITUDE))
 
 
-def test_order_and_names(plain: CycleMeasures) -> None:
-    assert [(m.half, m.channel) for m in plain.measures] == [(half, channel) for half in ("pre", "post") for channel in CHANNELS]
-    assert [c.half for c in plain.consensus] == ["pre", "post"]
-
-
 def test_known_frequency_and_amplitude_are_found(plain: CycleMeasures) -> None:
     scale, speed = scale_of_run(24)
     angles = np.linspace(np.pi, 2.0 * np.pi, 2001)
@@ -208,14 +203,6 @@ def test_pure_slow_signal_is_not_resolvable(run: int) -> None:
     assert [c.first_mode_frequency for c in measures.consensus] == [None, None]
 
 
-def test_constant_signal_is_not_resolvable() -> None:
-    scale, speed = scale_of_run(24)
-    time, crank_angle, _ = vibrating_cycle(scale, speed, 1.0, 0.0)
-    measure = measure_cycle(scale, time, crank_angle, {"strain_1": np.full(time.size, 3.0)}).measures[0]
-    assert (measure.first_mode_frequency, measure.minimum, measure.maximum) == (None, 3.0, 3.0)
-    assert "constant" in measure.reason
-
-
 @pytest.mark.parametrize("factor", [0.93, 1.1])
 def test_strong_second_mode_is_found_where_channels_agree(factor: float) -> None:
     scale, speed = scale_of_run(24)
@@ -228,18 +215,6 @@ def test_strong_second_mode_is_found_where_channels_agree(factor: float) -> None
         assert found == pytest.approx([frequency] * len(found), rel=0.01)  # one step of the scan
     alone = measure_cycle(scale, *cycle[:2], {"strain_1": cycle[2]["strain_1"]}).measures
     assert all(measure.second_mode_frequency is None for measure in alone)
-
-
-def test_second_mode_is_not_found_where_there_is_none(plain: CycleMeasures) -> None:
-    assert all(measure.second_mode_frequency is None for measure in plain.measures)
-
-
-def test_rigid_follower_has_extremes_only() -> None:
-    scale, speed = scale_of_run(24)
-    time, crank_angle, channels = vibrating_cycle(scale, speed, 1.0, 0.0)
-    measure = measure_cycle(None, time, crank_angle, {"tip_acceleration": channels["tip_acceleration"]}).measures[0]
-    assert measure.first_mode_frequency is None
-    assert measure.maximum == pytest.approx(channels["tip_acceleration"][crank_angle <= 2.0 * np.pi + 1e-9].max(), rel=1e-3)
 
 
 def test_measured_extremes_are_those_below_200_hz() -> None:
@@ -260,13 +235,9 @@ def test_measured_extremes_are_those_below_200_hz() -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda t, q, y: (t[:10], q[:10], y[:10]), "at least 16"),
         (lambda t, q, y: (t, q, y[:-1]), "samples"),
-        (lambda t, q, y: (t, q, np.where(t > 0.1, np.nan, y)), "not finite"),
-        (lambda t, q, y: (t[::-1], q, y), "does not increase"),
         (lambda t, q, y: (t, q + 0.5 * np.sin(12.0 * q), y), "turns back"),
         (lambda t, q, y: (t, q + 1.0, y), "farthest place"),
-        (lambda t, q, y: (t[:400], q[:400], y[:400]), "farthest place"),
     ],
 )
 def test_what_is_no_cycle_is_refused(change, message: str) -> None:  # type: ignore[no-untyped-def]

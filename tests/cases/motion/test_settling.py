@@ -81,28 +81,6 @@ def test_growing_sequence_never_settles() -> None:
     assert settling.error_estimate == np.inf
 
 
-def test_repeating_cycles_are_settled_as_soon_as_a_ratio_is_known() -> None:
-    settling = Settling()
-    assert [settling.feed(cycle(number, np.sin(ANGLES))) for number in range(4)] == [False, False, False, True]
-    assert settling.error_estimate == 0.0
-
-
-def test_channels_that_are_zero_do_not_disturb() -> None:
-    settling = Settling()
-    for number in range(4):
-        turn = cycle(number, np.zeros(301))
-        settling.feed(Cycle(turn.time, turn.crank_angle, {**turn.channels, "tip_acceleration": np.cos(ANGLES)}))
-    assert settling.settled
-
-
-@pytest.mark.parametrize("number", [0, 2])
-def test_cycle_out_of_turn_is_refused(number: int) -> None:
-    settling = Settling()
-    settling.feed(cycle(0, np.sin(ANGLES)))
-    with pytest.raises(ValueError, match="does not follow"):
-        settling.feed(cycle(number, np.sin(ANGLES)))
-
-
 @pytest.mark.parametrize("direction", [1.0, -1.0])
 def test_cycles_are_cut_where_the_slider_is_farthest(direction: float) -> None:
     time = np.linspace(3.0, 5.0, 1501)
@@ -127,18 +105,6 @@ def test_series_that_starts_and_ends_at_the_farthest_place_is_cut_whole() -> Non
     assert [c.time.size for c in cycles] == [401, 401]
     assert cycles[0].time[0] == 0.0
     assert cycles[-1].time[-1] == pytest.approx(time[-1], abs=1e-12)
-
-
-def test_less_than_a_cycle_gives_none() -> None:
-    time = np.linspace(0.0, 1.0, 200)
-    assert cut_cycles(time, np.pi + 0.1 + 6.0 * time, {"strain_1": time}) == []
-    assert cut_cycles(time[:2], time[:2], {}) == []
-
-
-def test_crank_that_turns_back_is_refused() -> None:
-    time = np.linspace(0.0, 1.0, 200)
-    with pytest.raises(ValueError, match="turns back"):
-        cut_cycles(time, 20.0 * np.sin(4.0 * time), {})
 
 
 def fed(values: Iterable[float], settling: Settling) -> Settling:
@@ -219,20 +185,6 @@ def test_changes_that_cancel_for_a_cycle_do_not_settle_a_march_from_afar(turn: f
     phases = np.linspace(0.0, 2.0 * np.pi, 25)
     assert max(used(phase, far=False) for phase in phases) > 10.0
     assert max(used(phase, far=True) for phase in phases) < 0.6
-
-
-def test_few_cycles_promise_nothing() -> None:
-    assert fed([0.1], Settling()).outlook.change is None
-    assert fed([0.1, 0.05, 0.02], Settling()).outlook.stalled_since is None
-    for number in (1, 3):
-        assert "fewer than two" in (words := fed([0.1] * number, Settling()).outlook.sentence()) or "too few" in words
-
-
-@pytest.mark.parametrize("multiplier", [1.0, 1.2])
-def test_changes_that_shrink_promise_nothing_where_a_disturbance_stays(multiplier: float) -> None:
-    outlook = fed([0.5**n for n in range(10)], Settling(multiplier=multiplier)).outlook
-    assert outlook.ratio is None
-    assert outlook.sentence()
 
 
 def test_a_known_multiplier_keeps_a_fast_part_from_hiding_the_slow_one() -> None:

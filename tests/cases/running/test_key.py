@@ -21,22 +21,17 @@ from quickreturn.cases.running import key
 from quickreturn.cases.running.job import Job, Limits
 from quickreturn.cases.running.key import (
     ONLY_TALK,
-    code_fingerprint,
     code_of,
     hash_of,
     imported_modules,
     key_of,
-    modules_in,
     names_imported,
-    source_of,
     sources_of,
 )
 from quickreturn.engines.plugins import plugins
 from quickreturn.plugins.studies.sweep import grid
 from quickreturn.plugins.studies.sweep.rows import MeasureRequest
-from tests.engines.fake_engine import FakeEngine
 from tests.engines.scenes import run_24
-from tests.package_copy import ROOT
 
 
 @pytest.fixture
@@ -53,46 +48,18 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return folder
 
 
-def fresh(*parts: str) -> str:
-    """As a new process would compute it: a process reads the sources once."""
-    key._source_hash.cache_clear()
-    return code_fingerprint(parts)
-
-
-def test_every_edit_counts_and_undoing_it_restores(package: Path) -> None:
-    seen = {fresh("fingerprinted")}
-    (package / "inner" / "two.py").write_text("b = 3\n")
-    seen.add(fresh("fingerprinted"))
-    (package / "three.py").write_text("")
-    seen.add(fresh("fingerprinted"))
-    (package / "one.py").rename(package / "four.py")
-    seen.add(fresh("fingerprinted"))
-    assert len(seen) == 4
-    (package / "four.py").rename(package / "one.py")
-    (package / "three.py").unlink()
-    (package / "inner" / "two.py").write_text("b = 2\n")
-    assert fresh("fingerprinted") in seen
-
-
-def test_data_files_do_not_count(package: Path) -> None:
-    """Nor what is unpacked beside compiled code."""
-    before = fresh("fingerprinted")
-    (package / "notes.md").write_text("nothing")
-    (package / "__pycache__/unpacked").mkdir(parents=True)
-    (package / "__pycache__/unpacked/machine.py").write_text("import math\n")
-    assert fresh("fingerprinted") == before
-
-
-def test_a_module_can_be_a_part(package: Path) -> None:
-    before = fresh("fingerprinted.one")
-    (package / "inner" / "two.py").write_text("b = 4\n")
-    assert fresh("fingerprinted.one") == before
-    (package / "one.py").write_text("a = 2\n")
-    assert fresh("fingerprinted.one") != before
-
-
-def test_own_code_of_a_third_party_engine_counts() -> None:
-    assert code_fingerprint(engine=FakeEngine()) != code_fingerprint()
+def test_own_code_of_a_third_party_engine_counts(package: Path) -> None:
+    """That of all files of its package; not its data, nor what is unpacked beside compiled code."""
+    (package / "one.py").write_text("class Engine:\n    pass\n")
+    chosen, seen = importlib.import_module("fingerprinted.one").Engine, list[str]()
+    for name, text in (("apart.txt", ""), ("__pycache__/machine.py", "import math\n"), ("inner/two.py", "b = 3\n"), ("three.py", "")):
+        (package / name).parent.mkdir(exist_ok=True)
+        (package / name).write_text(text)
+        key._code_of_engine.cache_clear()
+        key.text_of.cache_clear()
+        seen.append(key._code_of_engine(chosen))
+    assert seen[0] == seen[1]
+    assert len(set(seen)) == 3
 
 
 def function_in(module: str) -> Any:
@@ -175,11 +142,6 @@ def test_a_job_loads_no_module_that_its_key_lacks(made: Callable[[], Job[Any]]) 
     assert {name for name in loaded if not f"{name}.".startswith(quiet)} - sources_of(asked.function.__module__).keys() <= registry
 
 
-def test_missing_part_is_an_error() -> None:
-    with pytest.raises(ModuleNotFoundError, match="no_such_part"):
-        code_fingerprint(("no_such_part",))
-
-
 def job(**changes: Any) -> Job[Any]:
     return dataclasses.replace(Job("one", len, ((1, 2),), "trial", ("reference",)), **changes)
 
@@ -239,50 +201,6 @@ def test_imports_are_read_from_a_source() -> None:
     at_the_head = {"quickreturn.a", "quickreturn.b", "quickreturn.c", "quickreturn.c.d", "quickreturn.c.e"}
     found = {name for name in names_imported(SOURCE) if name.startswith("quickreturn")}
     assert found == at_the_head | {"quickreturn.quoted.one", "quickreturn.inside", "quickreturn.inside.g"}
-
-
-def test_a_relative_import_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"relative import: from \.near import a"):
-        list(names_imported("from .near import a, b\n"))
-
-
-@pytest.fixture
-def find(tmp_path: Path) -> Callable[[str], Path | None]:
-    """Finds the modules of a made-up package."""
-    texts = {
-        "one.py": "from quickreturn.inner.two import value\n",
-        "inner/__init__.py": "import quickreturn.three\n",
-        "inner/two.py": "def f():\n    from quickreturn.one import g\n",
-        "three.py": "",
-        "apart.py": "from quickreturn import one\n",
-    }
-    for name, text in texts.items():
-        (tmp_path / name).parent.mkdir(exist_ok=True)
-        (tmp_path / name).write_text(text)
-
-    def found(module: str) -> Path | None:
-        place = tmp_path.joinpath(*module.split(".")[1:])
-        return next((file for file in (place / "__init__.py", place.with_suffix(".py")) if file.is_file()), None)
-
-    return found
-
-
-def test_modules_are_followed_through_others_and_in_circles(find: Callable[[str], Path | None]) -> None:
-    all_of_one = ["quickreturn.inner", "quickreturn.inner.two", "quickreturn.one", "quickreturn.three"]
-    assert list(imported_modules(["quickreturn.one"], find=find)) == all_of_one
-    assert list(imported_modules(["quickreturn.inner.two"], find=find)) == all_of_one
-    assert list(imported_modules(["quickreturn.apart", "quickreturn.missing"], find=find)) == ["quickreturn.apart", *all_of_one]
-    assert imported_modules(["quickreturn.missing"], find=find) == {}
-
-
-def test_modules_of_each_part_of_the_package_have_their_files() -> None:
-    shapes = source_of("quickreturn.reference_model.shapes")
-    assert shapes.samefile(ROOT / "reference_model/shapes.py")
-    for part in ("reference_model", "engines", "cases", "reports", "derive"):
-        for module, file in modules_in(f"quickreturn.{part}").items():
-            assert source_of(module) == file
-    assert (source_of("numpy"), source_of("quickreturn.missing"), modules_in("quickreturn.missing")) == (None, None, {})
-    assert set(modules_in("quickreturn.record")) == {"quickreturn.record"}
 
 
 @pytest.mark.parametrize("module", ["quickreturn.engines.accurate", pytest.param("quickreturn.reports.report", marks=pytest.mark.verify)])

@@ -4,34 +4,22 @@ The jobs are functions of the standard library, so that every worker can import 
 """
 
 import _thread
-import codecs
 import ctypes
 import operator
 import os
 import resource
 import signal
-import subprocess
 import sys
 import threading
 import time
 from collections.abc import Callable
-from concurrent.futures import Future
-from pathlib import Path
 from typing import Any
 
 import pytest
 
-from quickreturn.cases.running import fork_server
-from quickreturn.cases.running.isolation import LocalProcesses, computed, end_waiting, isolated
-from quickreturn.cases.running.job import Job, Limits, Outcome
-from quickreturn.engines.base import EngineFailure
+from quickreturn.cases.running.isolation import LocalProcesses, end_waiting, isolated
+from quickreturn.cases.running.job import Job, Limits
 from tests.cases.running.jobs import GIB, done, gone
-
-
-@pytest.mark.parametrize("at_once", [0, -1])
-def test_fewer_than_one_at_a_time_is_refused(at_once: int) -> None:
-    with pytest.raises(ValueError, match="at least 1 is needed"):
-        LocalProcesses(at_once)
 
 
 def test_limits_of_a_job_come_before_those_of_the_executor() -> None:
@@ -82,7 +70,6 @@ def test_each_brief_job_has_its_own_output_progress_and_limits() -> None:
     assert seen == [("loud", "None"), ("loud", "fake, marching"), ("frugal", "None"), ("greedy", "None"), ("quiet", "None")]
 
 
-@pytest.mark.skipif(not fork_server.FORKS, reason="it stops the fork server")
 def test_a_process_that_was_killed_while_it_waited_is_replaced() -> None:
     outcomes = LocalProcesses(1).run([brief("first", PID), brief("waits", "__import__('time').sleep(0.5)"), brief("last", PID)])
     first = next(outcomes).value
@@ -97,72 +84,12 @@ def test_a_process_that_was_killed_while_it_waited_is_replaced() -> None:
     end_waiting()
 
 
-def test_what_the_executor_loses_is_named() -> None:
-    future: Future[Outcome[Any]] = Future()
-    future.set_exception(RuntimeError("the machine burned down"))
-    (outcome,) = computed(lambda _: future, [Job("job", len, ((),))])
-    assert (outcome.failure, outcome.error) == ("was lost (RuntimeError: the machine burned down)", None)
-
-
-def test_jobs_that_are_blamed_together_are_computed_alone() -> None:
-    """As on a cluster: what waits on a worker that another job kills is lost with it."""
-
-    class Burned(Exception):
-        """A machine is lost."""
-
-    jobs, handed = [Job("good", len, ((),)), Job("burns", len, ((),)), Job("raises", len, ((),))], list[str]()
-
-    def submit(job: Job[Any]) -> "Future[Outcome[Any]]":
-        handed.append(job.name)
-        future: Future[Outcome[Any]] = Future()
-        if job.name == "raises":
-            future.set_exception(ValueError("its own"))
-        elif job.name == "burns" or len(handed) <= len(jobs):
-            future.set_exception(Burned("all is lost"))
-        else:
-            future.set_result(Outcome(job, value=0))
-        return future
-
-    outcomes = {outcome.job.name: outcome for outcome in computed(submit, jobs, blamed=Burned)}
-    assert outcomes["good"].value == 0
-    assert outcomes["burns"].failure == "was lost (Burned: all is lost)"
-    assert sorted(handed) == ["burns", "burns", "good", "good", "raises"]
-    handed.clear()
-    assert [outcome.failure for outcome in computed(submit, jobs[1:2], blamed=Burned)] == ["was lost (Burned: all is lost)"]
-    assert handed == ["burns"]  # it was alone
-
-
-def test_outcomes_come_as_jobs_end(tmp_path: Path) -> None:
-    wait = f"import os, time\nwhile not os.path.exists({str(tmp_path / 'go')!r}): time.sleep(0.02)"
-    outcomes = LocalProcesses(2, Limits(seconds=60.0)).run([Job("slow", exec, (wait,)), Job("quick", len, ((),))])
-    assert next(outcomes).job.name == "quick"
-    (tmp_path / "go").touch()
-    assert [(outcome.job.name, outcome.failure) for outcome in outcomes] == [("slow", "")]
-
-
-RAISE = codecs.strict_errors  # raises whatever exception it is given
-
-
-def test_a_time_limit_of_years_is_one() -> None:
-    assert done(operator.add, 2, 3, limits=Limits(seconds=1e9)).value == 5
-
-
-def test_large_value_comes_back() -> None:
-    # Larger than any pipe's buffer, so that it takes many reads.
-    assert len(done(operator.mul, b"x", 5_000_000).value) == 5_000_000
-
-
 def test_exception_comes_back_as_what_it_was() -> None:
     outcome = done(operator.truediv, 1, 0)
     assert not outcome.completed
     assert outcome.failure == "raised ZeroDivisionError: division by zero"
     assert isinstance(outcome.error, ZeroDivisionError)
     assert "Traceback" in outcome.output
-
-
-def test_engine_failure_keeps_time_cause_and_advice() -> None:
-    outcome = done(RAISE, EngineFailure(0.25, "the beam snapped", "try another beam"))
-    assert (outcome.error.time, outcome.error.cause, outcome.error.advice) == (0.25, "the beam snapped", "try another beam")
 
 
 @pytest.mark.parametrize(
@@ -224,21 +151,3 @@ def test_job_that_cannot_be_started_is_named_and_the_next_one_runs() -> None:
         resource.setrlimit(resource.RLIMIT_NOFILE, before)
     assert outcome.failure == "could not be started ([Errno 24] Too many open files)"
     assert done(len, ()).completed
-
-
-def test_worker_is_the_first_to_go_where_memory_is_short() -> None:
-    assert done(exec, "print(open('/proc/self/oom_score_adj').read())").output == "500"
-
-
-def test_last_words_of_a_process_that_died() -> None:
-    dying = done(exec, "import os; os.write(2, b'terminate called\\n  what(): bad alloc\\n'); os.abort()")
-    assert dying.explanation == 'killed by SIGABRT (its last words: "what(): bad alloc")'
-    assert done(operator.truediv, 1, 0).explanation == "raised ZeroDivisionError: division by zero"
-
-
-@pytest.mark.verify
-def test_the_quick_tests_of_this_file_pass_where_each_process_starts_afresh() -> None:
-    """As on systems other than Linux."""
-    run = [sys.executable, "-P", "-m", "pytest", "-n", "0", "-q", __file__]
-    done = subprocess.run(run, env={**os.environ, "QUICKRETURN_START_METHOD": "spawn"}, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout

@@ -43,12 +43,6 @@ def test_entry_comes_back_bit_for_bit(tmp_path: Path) -> None:
     assert entry.arrays["empty"].shape == (0, 2)
 
 
-def test_absent_entry_is_no_notice(tmp_path: Path) -> None:
-    store = Store(tmp_path)
-    assert store.get(KEY) is None
-    assert store.notices == []
-
-
 @pytest.mark.parametrize("length", [0, 10, 90, 300, -1])
 def test_truncated_entry_is_found_and_said(tmp_path: Path, length: int) -> None:
     store, file = filled(tmp_path)
@@ -70,22 +64,6 @@ def test_one_edited_byte_is_found(tmp_path: Path, place: int) -> None:
     assert fetched(store).document == {"error": 2e-3}
 
 
-def test_entry_moved_to_another_key_is_found(tmp_path: Path) -> None:
-    store, file = filled(tmp_path)
-    other = 64 * "b"
-    file.rename(file.with_name(file.name.replace(KEY, other)))
-    assert store.get(other) is None
-    assert len(store.notices) == 1
-
-
-def test_folder_in_place_of_an_entry_is_a_notice(tmp_path: Path) -> None:
-    store, file = filled(tmp_path)
-    file.unlink()
-    file.mkdir()
-    assert store.get(KEY) is None
-    assert "is a directory" in store.notices[0]
-
-
 def test_folder_from_the_environment(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("QUICKRETURN_STORE", str(tmp_path / "deep" / "store"))
     assert Store().folder == tmp_path / "deep" / "store"
@@ -95,26 +73,10 @@ def test_folder_from_the_environment(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert (tmp_path / ".quickreturn").is_dir()
 
 
-def test_a_tilde_in_the_environment_is_the_home_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A shell leaves it as it is inside quotation marks."""
-    monkeypatch.setenv("HOME", str(tmp_path / "home"))
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("QUICKRETURN_STORE", "~/st")
-    assert Store().folder == tmp_path / "home" / "st"
-    assert not (tmp_path / "~").exists()
-
-
 def test_file_where_the_folder_should_be(tmp_path: Path) -> None:
     (tmp_path / "store").write_text("")
     with pytest.raises(StoreError, match=r"cannot be created or written .* set QUICKRETURN_STORE"):
         Store(tmp_path / "store")
-
-
-def test_a_list_of_numbers_is_an_array(tmp_path: Path) -> None:
-    store = Store(tmp_path)
-    store.put(KEY, Record({}, {"a": [1.0, 2.5]}))  # type: ignore[dict-item]
-    entry = store.get(KEY)
-    assert entry.arrays["a"].tolist() == [1.0, 2.5]
 
 
 def test_nothing_but_plain_data_is_stored(tmp_path: Path) -> None:
@@ -199,12 +161,6 @@ def test_numbers_of_numpy_are_plain_ones(tmp_path: Path) -> None:
     found = there_and_back(list[Any], [np.float64(0.1), np.int64(3), np.bool_(True)], tmp_path)
     assert found == [0.1, 3, True]
     assert [type(value) for value in found] == [float, int, bool]
-
-
-@pytest.mark.parametrize("document", [{}, {"name": "a", "size": 1.0}, []])
-def test_a_record_of_something_else_is_no_result(document: Any) -> None:
-    with pytest.raises((KeyError, TypeError, ValueError)):
-        decoded(Part, Record(document))
 
 
 @pytest.mark.parametrize("kind", [Trajectory, FollowerTrajectory])

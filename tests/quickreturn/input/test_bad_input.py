@@ -9,25 +9,16 @@ import os
 import random
 import re
 import shlex
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
-import click
 import pytest
 
-import quickreturn as qr
 from quickreturn.cases.files.case import parse_case
 from quickreturn.cases.files.errors import CaseError
-from quickreturn.cases.files.keys import PATHS
 from quickreturn.cases.library import load_case
-from quickreturn.command_line import commands, quickreturn
-from quickreturn.plugins.studies.sweep.grid import scenes_of
-from quickreturn.plugins.studies.uncertainty.calibration import frees_of
 from tests.quickreturn.conftest import Answer, Call
 from tests.quickreturn.input import mistakes
 from tests.quickreturn.input.mistakes import scene, written
-from tests.quickreturn.program import started
 
 LONGEST = 400  # characters: five lines of a terminal
 MODES = "modes small.toml --engine fake --crank-angle 90"
@@ -203,62 +194,36 @@ TYPED = [
     ("show spin-up --for-other-tools", ("[crank]",)),
     ("show small.toml --json --for-other-tools", ("--for-other-tools", "--json")),
     ("show small.toml --units feet", ("--units", "feet", "si, mm, inch")),
-    ("show small.toml --units si --units mm", ("--units", '"si" and "mm"')),
     ("simulate small.toml --engine fake --no-estimate --accuracy 0.01", ("--no-estimate", "--accuracy 0.01")),
-    ("shaw small.toml", ("shaw", "show", "simulate")),
     ("cases --tag thesys", ("thesys", "thesis")),
     ("modes small.toml --engine mujco --crank-angle 0", ("--engine", "mujco", "perhaps mujoco", "exudyn")),
-    ("modes small.toml --engine fake --crank-angle north", ("--crank-angle", "north", "0:360:10")),
-    (f"{MODES} --count 0", ("--count", '"0"', "1 to 100")),
-    (f"{MODES} --count 2 --count 3", ("--count", '"2" and "3"')),
     (f"{MODES} --set crank.lenght='4 in'", ("--set", "crank.lenght", "4 in", "crank.length")),
-    (f"{MODES} --set crank.length", ("--set", "crank.length", "KEY=VALUE")),
     (f"{MODES} --set engine.step=x", ("--set engine.step", '"x"', "0.0001 to 1 s")),
-    (f"{MODES} --set engine.step=7", ("--set engine.step", "7", "0.0001 to 1 s")),
     (f"{MODES} --set engine.step=1 --set engine.step=2", ("--set engine.step", '"1" and "2"')),
-    (f"{MODES} --set engine.links=8", ("--set engine.links", "engine.step")),
     (f"{MODES} --set slider.mass='1 kg'", ("slider.mass", "massless slider only")),
     ("run small.toml ./small.toml --engine fake", ("scene", "a name of its own")),
-    ("run 'thesis-9*'", ("thesis-9*", "thesis-2*")),
     ("run small.toml --engine fake --set mujoco.links=16", ("--set mujoco.links", "fake")),
     ("run example --engine reference --engine mujoco --set engine.tolerance=1e-6", ("--set engine.tolerance", "engine mujoco")),
     (f"{SIMULATE} --engine reference", ("--output out.csv", "{engine}")),
-    (f"{SIMULATE} --accuracy 1e-9", ("--accuracy", "1e-9", "0.0001 to 0.05")),
-    (f"{SIMULATE} --duration 1e9", ("--duration", "1e+09", "2 million")),
     (f"{SIMULATE} --duration '1.5 ms'", ("--duration", "0.0015", "whole multiple")),
-    (f"{SIMULATE} --duration 1 --set 'simulation.duration=1 s'", ("--duration", "--set simulation.duration")),
-    (f"{SIMULATE} --output x.csv --output y.csv", ("--output", '"out.csv" and "x.csv" and "y.csv"')),
     (f"{OUTPUT} absent/out.csv", ("--output absent/out.csv", "no folder")),
     (f"{OUTPUT} small.toml", ("--output small.toml", "the case file itself")),
     (f"{OUTPUT} x.parquet", ("--output x.parquet", ".csv")),
-    (f"{OUTPUT} x", ("--output x", ".csv")),
-    (f"{OUTPUT} x.csv.gz", ("--output x.csv.gz", '".gz"')),
     ("plot small.toml --output x.gif", ("--output x.gif", ".png, .svg, .pdf, .webp")),
     ("plot small.toml --column tip_x --output x.png", ("--column", "--engine")),
-    ("plot small.toml --set engine.step=1 --output x.png", ("--set", "--engine")),
     ("plot small.toml --engine fake --column tip_z --output x.png", ("tip_z", "tip_x")),
-    ("plot missing.csv --output x.png", ("missing.csv", "no such file")),
     ("animate small.toml --engine fake --output x.gif", ("--output x.gif", ".webp, .html")),
     ("animate small.toml --engine fake --magnify 5 --output x.html", ("--magnify", ".html")),
     ("animate small.toml --engine fake --output x.webp", ("shape_01", "the shape of the follower")),
     ("report small.toml --output page.html", ("--output", "page.html", "give a folder")),
     ("show smal.toml", ("smal.toml", "did you mean small.toml?")),
-    ("show smal", ("smal", "did you mean the file small.toml?")),
     ("show example.toml", ("example.toml", "the library case example")),
     ("show table.csv", ("table.csv", "not a case file", "compare")),
     ("new small.toml", ("small.toml", "not overwritten", "another name")),
-    ("new mine.txt", ("mine.txt", ".toml")),
-    ("new mine", ("mine", ".toml", "mine.toml")),
     ("new 'my machine.toml'", ("my machine.toml", "letters from a to z, digits", "my-machine.toml")),
     ("new thesis-24.toml", ("thesis-24.toml", "library", "my-thesis-24.toml")),
-    ("new absent/mine.toml", ("absent/mine.toml", "no folder")),
-    ("new mine.toml --from thesis-25", ("thesis-25", "quickreturn cases")),
-    ("new mine.toml --from smal.toml", ("smal.toml", "did you mean small.toml?")),
-    ("new mine.toml --from unclosed.toml", ("unclosed.toml", "line 2")),
     ("new mine.toml --from small.toml --set crank.lenght='4 in'", ("crank.lenght", "crank.length")),
     ("new mine.toml --set engine.step=0.1", ("engine.step", "no meaning here")),
-    ("report small.toml --accuracy 0.5", ("--accuracy", "0.5", "0.05")),
-    ("report small.toml --engine fake --set engine.strap=1", ("engine.strap", "engine.step")),
     ("report small.toml --set crank.mass='1 kg'", ("--set", "crank.mass", "case file")),
     ("run spin-up", ("[crank]", "use show or simulate")),
 ]
@@ -270,69 +235,3 @@ def test_answer_to_a_mistake_on_the_command_line(call: Call, typed: str, words: 
     told = sentence(call(*shlex.split(typed)))
     for word in words:
         assert word in told
-
-
-@pytest.mark.parametrize("name", commands())
-def test_no_option_of_which_one_value_counts_takes_the_last_of_two(name: str) -> None:
-    command = quickreturn.get_command(click.Context(quickreturn), name)
-    for option in command.params:
-        assert not isinstance(option, click.Option) or option.is_flag or option.multiple, option.name
-
-
-@pytest.mark.usefixtures("call")  # installs the fake engine
-def test_a_process_says_the_same(folder: Path) -> None:
-    typed, words = TYPED[0]
-    program = started(*shlex.split(typed), folder=folder)
-    output, errors = program.communicate(timeout=60.0)
-    told = sentence(Answer(program.returncode, output, errors))
-    assert all(word in told for word in words)
-
-
-SOLVED = {"time [s]": [0.0, 0.1], "crank_angle [rad]": [0.0, 1.0]}
-WRONG = {"tip.mass": "uniform 0 g .. 1 g"}
-
-#: An argument, and the call with a value of it.
-ARGUMENTS: list[tuple[str, Callable[[Any], Any]]] = [
-    ("measures", lambda given: qr.sweep("thesis-24", {"tip.mass": "0 g; 1 g"}, measures=given)),
-    ("measures", lambda given: qr.resonance("thesis-24", range="60 rpm .. 90 rpm", measures=given)),
-    ("measures", lambda given: qr.uncertainty("thesis-24", WRONG, given)),
-    ("free", lambda given: qr.calibrate("thesis-24", SOLVED, given)),
-    ("vary", lambda name: qr.sweep("thesis-24", {name: "0 g; 1 g"})),
-    ("range", lambda name: qr.resonance("thesis-24", name, "60 rpm .. 90 rpm")),
-    ("uncertain", lambda name: qr.uncertainty("thesis-24", {name: "uniform 0 g .. 1 g"}, ["multiplier"])),
-]
-
-
-@pytest.mark.parametrize(("argument", "ask"), ARGUMENTS)
-def test_a_wrong_name_is_told_once_with_its_argument(argument: str, ask: Callable[[Any], Any]) -> None:
-    several = argument in ("measures", "free")
-    for given in ("wrong.name", *([["wrong.name"]] if several else [])):
-        with pytest.raises(CaseError) as wrong:
-            ask(given)
-        assert str(wrong.value).startswith(f"{argument}: ")
-        assert str(wrong.value).count("wrong.name") == 1
-    for given in [[1], 1, [None], ["multiplier", 2.5]] if several else []:
-        with pytest.raises(CaseError, match=r"(1|None|2\.5) is not a text; give one or several, such as "):
-            ask(given)
-
-
-def test_a_scene_of_a_study_that_cannot_be_names_no_option() -> None:
-    """The sentence is stored with the point, whoever asked: `qr.sweep`, `qr.uncertainty` or the command."""
-    (scene,) = scenes_of(qr.case("thesis-24"), [{"crank.length": "21 in"}])
-    assert scene.sentence.startswith('crank.length: "21 in"')
-
-
-def test_the_range_that_is_advised_is_accepted() -> None:
-    """For every parameter that a fit may have: the example of a message is what the next call takes."""
-    case, advised = qr.case("rigid"), 0
-    for key, about in PATHS.items():
-        if not about.is_number or not about.moves or key.startswith(("simulation.", "base.spin_up")):
-            continue
-        try:
-            frees_of([key], case)
-        except CaseError as wrong:
-            text = wrong.accepted.partition('"')[2].partition('"')[0]
-            (free,) = frees_of([text], case)
-            assert free.parameter.key == key
-            advised += 1
-    assert advised > 5

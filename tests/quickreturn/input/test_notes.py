@@ -1,8 +1,5 @@
 """Doubtful values are told by every command that computes, on standard error, once; published inconsistencies are not repeated there."""
 
-import json
-import re
-import shlex
 from pathlib import Path
 
 import pytest
@@ -39,12 +36,3 @@ def test_a_doubt_is_one_line_on_standard_error_for_all_cases(call: Call, argumen
     assert all("tip.mass is 3 kg, 14.4 times the follower's (0.208 kg)" in note for note in notes if cases == 1)  # 0.328 kg/m x 0.635 m
     assert all("and 2 more" in note for note in notes if cases == 3)
     assert ": note: " not in answer.output
-
-
-def test_the_hint_on_notes_shows_them(call: Call) -> None:
-    asked = ("simulate", "my press.toml", *FAKE, "--set", "engine.step=0.1", *DOUBTFUL)
-    (hint,) = re.findall(r"^notes +1 on this case: see `(.*)`$", call(*asked).output, re.MULTILINE)
-    (note,) = json.loads(call(*asked, "--json").output)["notes"]
-    assert f"note: {note}" in call(*shlex.split(hint)[1:]).output
-    failed = call("simulate", "my press.toml", *FAKE, "--set", "engine.behaviour=fails", *DOUBTFUL)
-    assert f"see `{hint}`" in failed.output

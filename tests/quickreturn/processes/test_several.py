@@ -91,9 +91,7 @@ def test_the_version_is_told(call: Call) -> None:
 @pytest.mark.parametrize(
     ("typed", "completed"),
     [
-        ("quickreturn sim", "plain,simulate"),
         ("quickreturn show thesis-2", "plain,thesis-24"),
-        ("quickreturn show thesis-2", "file,thesis-2"),
         ("quickreturn run thesis-24 --engine muj", "plain,mujoco"),
         ("quickreturn simulate thesis-24 --acc", "plain,--accuracy"),
     ],
@@ -102,11 +100,6 @@ def test_the_shell_is_answered(typed: str, completed: str) -> None:
     asked = {"_QUICKRETURN_COMPLETE": "bash_complete", "COMP_WORDS": typed, "COMP_CWORD": str(len(typed.split()) - 1)}
     answer = subprocess.run([PROGRAM], env={**os.environ, **asked}, capture_output=True, text=True, check=True)
     assert completed in answer.stdout.splitlines()
-
-
-def test_the_shell_gets_its_script() -> None:
-    environment = {**os.environ, "_QUICKRETURN_COMPLETE": "zsh_source"}
-    assert "compdef" in subprocess.run([PROGRAM], env=environment, capture_output=True, text=True, check=True).stdout
 
 
 def test_nothing_is_known_of_a_store_where_none_is_used(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:

@@ -78,31 +78,6 @@ def test_what_a_time_limit_leaves_out_is_computed_the_next_time() -> None:
     assert not qr.simulate("small.toml", "fake").stored
 
 
-def test_loads_of_what_a_time_limit_cut_short_are_not_those_of_the_full_answer() -> None:
-    scene = qr.case("small.toml")
-    short = qr.simulate(scene, "fake", time_limit=1e-9)
-    full = qr.simulate(scene, "fake")
-    assert short.result.hurried
-    assert not full.result.hurried
-    for solution in (short, full):
-        deflection = solution.loads.peaks["tip_deflection"]
-        assert deflection.estimate == solution.result.largest_errors.get("tip_deflection")
-    assert full.loads.peaks["tip_deflection"].estimate is not None  # type: ignore[union-attr]
-
-
-def test_a_folder_that_cannot_be_used_is_told_and_keeps_nothing_from_working(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("QUICKRETURN_STORE", "small.toml/store")
-    with pytest.warns(UserWarning, match="cannot be created or written"):
-        assert not qr.simulate("small.toml", "fake").stored
-
-
-def test_natural_frequencies_come_again() -> None:
-    first, second = (qr.modes("small.toml", "fake", [0.0, 90.0], count=2) for _ in range(2))
-    assert first.equals(second)
-    assert first.attrs == second.attrs
-    assert len(results()) == 1
-
-
 def test_a_command_says_where_its_answer_comes_from(call: Call) -> None:
     first, second = (json.loads(call("simulate", *QUICK, "--json", "--output", f"{name}.csv").output) for name in ("one", "two"))
     assert (first.pop("stored"), second.pop("stored")) == (False, True)

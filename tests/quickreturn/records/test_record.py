@@ -13,18 +13,15 @@ from quickreturn.cases.running.workshop import Workshop
 from quickreturn.plugins.conform.contract import Check, Conformance, job
 from quickreturn.plugins.conform.records import ConformanceRow, verdicts
 from quickreturn.plugins.methods import studies as of_methods
-from quickreturn.plugins.methods.map import Map
 from quickreturn.plugins.methods.race import Race
 from quickreturn.plugins.methods.row import Row
-from quickreturn.plugins.methods.studies import Fronts, recorded
+from quickreturn.plugins.methods.studies import recorded
 from quickreturn.plugins.methods.tests.made_up_map import made_up_map
 from quickreturn.plugins.methods.tests.made_up_races import made_up_race
-from quickreturn.plugins.methods.tests.pages import one_run
 from quickreturn.record import main
 from quickreturn.reports import long_studies
 from quickreturn.reports.long_studies import About, table, text_of
 from quickreturn.reports.page.content import Content
-from tests.reports import pages
 
 #: Bytes of all recorded tables together; a scene of the race takes some 25,000, of which there are five.
 MOST = 250_000
@@ -41,20 +38,6 @@ def test_what_is_written_is_read_back(tmp_path: Path, monkeypatch: pytest.Monkey
             assert known == (pytest.approx(value, rel=5e-4) if name == "errors" or isinstance(value, float) else value), name
     assert table("scenes", Race) == [dataclasses.replace(measured, rows=())]
     assert table("nothing", Row) == []
-
-
-def test_a_record_says_what_is_known_of_its_commits() -> None:
-    about = About("benchmark", "2001-02-03", "numpy 1", "")
-    assert about.words == "2001-02-03"
-    assert dataclasses.replace(about, commit="abc").words == "2001-02-03 at commit abc"
-
-
-def test_a_recorded_result_is_labelled_as_such() -> None:
-    about = About("benchmark", "2001-02-03", "numpy 1", "abc1234", "def5678")
-    told = pages.text_of(one_run(fronts=Fronts([made_up_race()], about)))
-    at = "2001-02-03 at commit abc1234; cells of it were last confirmed at commit def5678"
-    assert f"Recorded: measured with numpy 1 on {at}." in told
-    assert "Recorded" not in pages.text_of(one_run(fronts=Fronts([made_up_race()])))
 
 
 def test_conformance_of_record_stands_where_ones_own_is_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -75,24 +58,6 @@ def test_conformance_of_record_stands_where_ones_own_is_missing(tmp_path: Path, 
         "mujoco": f"conforms; 2 checks passed, 1 could not be judged ({recorded})",
     }
     assert table("conformance", ConformanceRow) == found
-
-
-def test_the_map_of_classes_is_read_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(long_studies, "FOLDER", tmp_path)
-    known = made_up_map()
-    (tmp_path / "classes.csv").write_text(text_of(known.trials))
-    (tmp_path / "classes_scenes.csv").write_text(text_of(known.scenes))
-    assert of_methods.class_map() == known  # a rigid joint is infinite, and what is not there stays None
-    monkeypatch.setattr(long_studies, "FOLDER", tmp_path / "nothing")
-    assert of_methods.class_map() == Map()
-
-
-def test_an_unknown_study_or_option_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
-    for unknown in ("--all", "class"):
-        assert main([unknown]) == 2
-        told = capsys.readouterr().err
-        assert unknown in told
-        assert "accepted: --stored, " in told
 
 
 def test_one_study_alone_is_written_and_the_others_stay(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -80,15 +80,11 @@ def test_a_column_has_one_scale_in_differences_and_estimates() -> None:
     ("ours", "words"),
     [
         ({"time": TIME + 0.003, "tip_x": TIME}, ["time", "0.003 s", "the other has none", "output step"]),
-        ({"time": TIME[::3] * 0.9, "tip_x": TIME[::3]}, ["the other has none"]),
         ({"time": TIME + 5.0, "tip_x": TIME}, ["fewer than two rows", "from 5 to 6 s"]),
         ({"time": TIME, "tip_y": TIME}, ["no column in common", "tip_y", "tip_x"]),
-        ({"time": TIME, "tip_x [kg]": TIME}, ["ours", "tip_x", "a mass"]),
         ({"time": TIME, "tipx": TIME}, ["ours", "tipx", "tip_x"]),
         ({"time": TIME, "tip_x": TIME[1:]}, ["ours", "tip_x", "(100,)"]),
-        ({"time": TIME, "tip_x": np.where(TIME > 0.5, np.nan, 1.0)}, ["ours", "row 51, tip_x", "no plain number"]),
         ({"time": TIME[::-1], "tip_x": TIME}, ["ours", "row 1, time", "does not rise"]),
-        ({"time": TIME, "tip_x": ["a"] * 101}, ["ours", "tip_x", "no plain number"]),
         (5, ["ours", "int is no table", "DataFrame"]),
         ("none.csv", ["none.csv", "no such file"]),
     ],
@@ -111,14 +107,3 @@ def test_files_frames_and_solutions_alike(tmp_path: Path) -> None:
     assert found["tip_y"] == 0.0
     same = qr.difference(tmp_path / "table.csv", pd.DataFrame({"time [ms]": 1e3 * frame["time"], "tip_x [mm]": 1e3 * frame["tip_x"]}))
     assert dict(same) == {"tip_x": pytest.approx(0.0, abs=1e-12)}
-
-
-@pytest.mark.parametrize("name", ["time", "time [ms]", None])
-def test_the_index_of_a_frame_may_be_its_time(name: str | None) -> None:
-    time = np.linspace(0.0, 1.0, 11)
-    plain = pd.DataFrame({"time": time, "tip_x": time**2})
-    index = pd.Index(1e3 * time if name == "time [ms]" else time, name=name) if name else pd.to_timedelta(time, unit="s")
-    indexed = pd.DataFrame({"tip_x": 2.0 * time**2}, index=index)
-    assert qr.difference(indexed, plain)["tip_x"] == pytest.approx(1.0, rel=1e-12)
-    with pytest.raises(qr.CaseError, match="no column time"):
-        qr.difference(indexed.rename_axis("frames").reset_index(drop=True), plain)

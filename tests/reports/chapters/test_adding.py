@@ -61,8 +61,8 @@ def test_a_chapter_needs_a_module_a_template_and_its_name_in_one_file(tmp_path: 
     (package / "reports/chapters/speeds.py").write_text(MODULE)
     (package / "reports/chapters/speeds.html").write_text(TEMPLATE)
     chapters, imported = package / "reports/page/chapters.py", "from quickreturn.reports.chapters.{0} import {0}\n"
-    insert(chapters, imported.format("speeds"), after=imported.format("runs"))
-    insert(chapters, "    speeds: 15,\n", after="    drive: 12,\n")
+    insert(chapters, imported.format("speeds"), after=imported.format("recorded"))
+    insert(chapters, "    speeds: 15,\n", after="    run_by_run: 20,\n")
 
     environment = os.environ | {"PYTHONPATH": os.pathsep.join((str(package.parent), str(ROOT / "build/tests-alone")))}
     told = subprocess.run([sys.executable, "-c", WRITE], env=environment, cwd=tmp_path, capture_output=True, text=True, check=False)

@@ -93,7 +93,6 @@ def test_recorded_tables_are_drawn_over_the_engines_under_their_plain_names() ->
     assert [axes.get_ylabel() for axes in figure.axes] == ["strain 2\n(10⁻⁶)", "tip deflection\n(mm)"]
     (legend,) = figure.legends
     assert [text.get_text() for text in legend.get_texts()] == ["thesis", "reference", "exudyn", "mujoco", r"\$a_1\$.csv"]
-    assert cycle.drawn([result], ".svg").startswith(b"<?xml")
 
 
 def test_each_panel_has_its_column_of_every_engine() -> None:

@@ -11,15 +11,12 @@ from quickreturn.cases.comparison.pair import Difference
 from quickreturn.cases.motion.cycle import HALVES
 from quickreturn.cases.motion.number import Number
 from quickreturn.cases.motion.time_scale import CHANNELS
-from quickreturn.plugins.thesis.inference.tables import headline
-from quickreturn.plugins.thesis.page_data import inference_of
-from quickreturn.plugins.thesis.tests.made_up_inference import made_up_inference
 from quickreturn.reports.engine_differences import Spread, spread
 from quickreturn.reports.page.content import Subject
 from quickreturn.reports.page.first_screen import Answer, Cubic, Figure, answer_of, sentences
 from quickreturn.reports.words import size
 from tests.reports import pages
-from tests.reports.pages import content_of, one_run, plain, text_of
+from tests.reports.pages import content_of, plain
 from tests.reports.plotted_results import ENGINES, with_run
 from tests.reports.reported_results import reported_result
 
@@ -132,10 +129,3 @@ def shown(found: Sequence[Figure]) -> dict[str, str]:
 def test_the_sentences_have_the_verdict_and_its_numbers(changes: dict[str, Any], words: list[str]) -> None:
     found = told(**changes)
     assert all(each in found for each in words), found
-
-
-def test_the_inference_on_the_thesis_has_what_speaks_for_and_against_it() -> None:
-    found = plain(headline(made_up_inference()))
-    words = ("1.22 to 1.33 times", "60 %", "16 % if it is taken", "83 to 94 Hz where 132 Hz", "leaves it 0.4 %", "would decide")
-    assert all(each in found for each in words), found
-    assert found in text_of(one_run(data={inference_of: made_up_inference()}))

@@ -150,15 +150,3 @@ def test_curves_that_lie_on_each_other_are_all_seen_in_their_own_colours(opened:
     parts = {name: float(np.mean(found)) for name, found in near.items()}
     assert min(parts.values()) > 0.1, parts
     assert sum(parts.values()) > 0.7, parts  # the others: axes, cursor, and where one dash ends and the next begins
-
-
-@pytest.mark.verify
-def test_a_chart_is_taken_away_as_it_is_seen(opened: Open) -> None:
-    page = opened("#at=0&chapter=methods&section=methods-thesis-24")
-    with page.expect_download() as waited:
-        page.locator("#methods-thesis-24 .take").first.click()
-    picture = Path(waited.value.path()).read_text("utf-8")
-    assert waited.value.suggested_filename == "benchmark.svg"
-    assert picture.startswith("<svg xmlns=")
-    assert "solve time [s]" in picture
-    assert "var(" not in picture  # another program reads it

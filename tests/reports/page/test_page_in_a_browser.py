@@ -237,17 +237,6 @@ def test_the_mechanism_uses_the_space_that_there_is(opened: Open, width: int, he
 
 
 @pytest.mark.verify
-def test_what_a_cell_or_a_mark_stands_for_is_told_by_touch(opened: Open) -> None:
-    page = opened("#at=0&chapter=methods&section=methods-thesis-24", has_touch=True, width=390, height=844)
-    page.locator("#table-fastest .remark").first.tap()
-    assert "first run below: modes 2, tolerance 1e-7, 2000 right-hand sides" in page.inner_text("#remark span")
-    page.locator("#remark button").tap()
-    assert page.locator("#remark").is_hidden()
-    page.locator("#methods-thesis-24 .chart").first.locator("[data-series=reference] circle").first.tap()
-    assert page.locator("#methods-thesis-24 .reading").first.inner_text().startswith("reference: modes 2, tolerance 1e-7; 2.0")
-
-
-@pytest.mark.verify
 def test_the_stress_along_the_arm_is_drawn_for_ones_own_machine_and_can_be_switched_off(opened: Open, tmp_path: Path) -> None:
     results = [made_up_result("example"), made_up_result("shaper-cutting")]
     write(content_of(results=results, facts=machine_facts()), tmp_path)
@@ -270,21 +259,3 @@ def test_the_stress_along_the_arm_is_drawn_for_ones_own_machine_and_can_be_switc
         assert page.locator(".answer:visible").count() == 1
         assert page.locator(".answer:visible dt").count() == 8
     assert opened("#at=0").locator("#stress").count() == 0  # the thesis' page keeps its first screen
-
-
-@pytest.mark.verify
-def test_the_map_of_classes_is_read_by_keyboard_on_a_telephone(opened: Open) -> None:
-    page = opened("#at=0&chapter=classes", width=390, height=844)
-    chapter = page.locator("#classes")
-    chapter.locator("input[type=radio]").nth(0).focus()
-    page.keyboard.press("ArrowRight")
-    page.keyboard.press("ArrowRight")  # waiting time, to 1 %
-    cell = chapter.locator(".choices table:visible button.remark").first
-    assert cell.inner_text() == "fixed-shapes\n4× reference"
-    cell.focus()
-    page.keyboard.press("Enter")
-    told = page.locator("#remark").inner_text().replace("\N{NO-BREAK SPACE}", " ")
-    assert "fixed-shapes 100 ms; reference 400 ms; thesis not reached (60 % left); multiplier refused" in told
-    page.keyboard.press("Escape")
-    assert not page.locator("#remark").is_visible()
-    assert page.evaluate("document.documentElement.scrollWidth") <= 390

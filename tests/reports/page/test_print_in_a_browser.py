@@ -29,16 +29,6 @@ def test_on_paper_there_are_stills_no_buttons_and_every_chapter(opened: Open) ->
 
 
 @pytest.mark.verify
-def test_paper_shows_the_chapters_that_are_open_and_what_is_unfolded_in_them(opened: Open) -> None:
-    page = opened("#at=0&chapter=methods&section=methods-thesis-17")
-    page.evaluate("dispatchEvent(new Event('beforeprint'))")
-    assert page.locator("details.chapter[open]").evaluate_all("all => all.map(each => each.id)") == ["methods"]
-    assert page.locator("#methods details[open]").evaluate_all("all => all.map(each => each.id)") == ["methods-thesis-17"]
-    page.evaluate("dispatchEvent(new Event('afterprint'))")
-    assert page.locator("#methods").get_attribute("open") is not None
-
-
-@pytest.mark.verify
 def test_all_chapters_are_printed_on_few_pages(opened: Open) -> None:
     """The thesis' own page, with all 24 runs, has 25 at most; this one has three runs."""
     page = opened("#at=0")
