@@ -13,11 +13,11 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Any, Final, Generic, Literal, TypeVar, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.engines.settings import Settings as AnySettings
 from quickreturn.engines.start import Start
 from quickreturn.engines.trajectory import FollowerTrajectory, Trajectory
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.errors import EngineTrouble, ToldError
 from quickreturn.reference_model.mechanism import Mechanism, Scene, TorqueDrive
 from quickreturn.reference_model.quantities import Quantity
@@ -270,7 +270,7 @@ class Engine(ABC, Generic[S]):
         return None
 
     @abstractmethod
-    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: S) -> NDArray[np.float64]:
+    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: S) -> Array:
         """Lowest natural frequencies in Hz, ascending, with the crank held at `crank_angle` (rad).
 
         Follower straight, at rest, no gravity, undamped. Fewer than `count` if the model has fewer; shape (<= count,).

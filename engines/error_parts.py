@@ -7,11 +7,11 @@ from functools import partial
 from typing import Any, Final, Generic, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.engines.base import Comparison, EngineFailure
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.trajectory import Trajectory, rms, scale
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import AXIAL, BEARINGS, BENDING
 
 R = TypeVar("R")
@@ -181,7 +181,7 @@ def all_compared(
     pairs: Sequence[Comparison],
     delivered: Settings,
     run: Callable[[Settings], R],
-    signals: Callable[[R], Mapping[str, NDArray[np.float64]]],
+    signals: Callable[[R], Mapping[str, Array]],
     *,
     bends: bool,
 ) -> list[Compared[R]]:
@@ -284,7 +284,7 @@ def shown_factor(factor: float, factor_before: float, difference: float, differe
     return min(max(factor, shown), least) if factor < 1.0 else max(min(factor, shown), least)
 
 
-def same_motion(run: Mapping[str, NDArray[np.float64]], other: Mapping[str, NDArray[np.float64]]) -> bool:
+def same_motion(run: Mapping[str, Array], other: Mapping[str, Array]) -> bool:
     """Whether two runs agree to the last bit, so that their difference says nothing of their error; False if nothing bends."""
     deflection = run["tip_deflection"]
     return bool(np.any(deflection) and np.array_equal(deflection, other["tip_deflection"]))

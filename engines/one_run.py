@@ -17,7 +17,6 @@ from pathlib import Path
 from typing import Any, Final, Generic, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from quickreturn.engines import progress
@@ -26,6 +25,7 @@ from quickreturn.engines.registry import MAIN
 from quickreturn.engines.settings import SettingError, Settings
 from quickreturn.engines.start import Start
 from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.errors import OF_THE_MACHINE
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 
@@ -141,7 +141,7 @@ def check_trajectory(trajectory: Trajectory, duration: float, output_step: float
         )
 
 
-def _wrong_unit_or_step(times: NDArray[np.float64], output_step: float) -> str:
+def _wrong_unit_or_step(times: Array, output_step: float) -> str:
     """A clause on the unit or the step of a time column; "" if neither is wrong."""
     step = float(np.median(np.diff(times))) if len(times) > 1 else output_step
     if math.isclose(step, 1e3 * output_step, rel_tol=1e-3):
@@ -204,7 +204,7 @@ _QUOTED = 60  # characters of an engine's answer that a message quotes
 
 
 @on_one_thread
-def natural_frequencies(engine: AnyEngine, mechanism: Mechanism, crank_angle: float, count: int, settings: Settings) -> NDArray[np.float64]:
+def natural_frequencies(engine: AnyEngine, mechanism: Mechanism, crank_angle: float, count: int, settings: Settings) -> Array:
     """`Engine.natural_frequencies` in Hz, of shape (<= count,): finite, none negative, ascending.
 
     Raises:

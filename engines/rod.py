@@ -10,15 +10,13 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Final, NoReturn
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.engines.base import SPIN_UP, EngineFailure, ModelDescription, Refusal, Simulation
 from quickreturn.engines.settings import Settings, setting
 from quickreturn.engines.simple import OneResolution
 from quickreturn.engines.trajectory import FollowerTrajectory
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import FollowerAlone, Scene
-
-Array = NDArray[np.float64]
 
 #: Part of its length by which a rod that begins straight may be bent, or be off its place: rounding, in single precision too.
 _STRAIGHT: Final = 1e-5

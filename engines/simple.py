@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 from typing import ClassVar, Final, Self, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import Radau
 
 from quickreturn.engines.base import Comparison, Engine, EngineFailure, ModelDescription, Refusal, Simulation, installed
@@ -21,6 +20,7 @@ from quickreturn.engines.ladder import Ladder
 from quickreturn.engines.settings import SettingError, Settings, setting
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import REQUIRED, Trajectory
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.scene_values import FORCES, OF_TORQUE, changed
@@ -84,8 +84,6 @@ class OneResolution(Engine[R]):
         if resolution < (coarsest := min(self.errors)):
             raise SettingError(f"engine.resolution: {resolution} is not accepted; engine {self.name} begins with {coarsest}")
 
-
-Array = NDArray[np.float64]
 
 #: Integration tolerance over the error of a resolution, and its loosest and tightest value. At 1e-5 the integration alone makes an error of
 #: 7e-4 with ten polynomials (tests/engines/polynomials.py) in a mild scene; in run 24 (3.8e-3) and with four (3.7e-3) it does not show.

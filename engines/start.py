@@ -3,16 +3,14 @@
 from dataclasses import dataclass
 from typing import Protocol, overload
 
-import numpy as np
-from numpy.typing import NDArray
-
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 
 
 class Field(Protocol):
     """A function of arc length with derivatives, such as scipy's `PPoly` and `CubicSpline`."""
 
-    def __call__(self, x: NDArray[np.float64], nu: int = 0, /) -> NDArray[np.float64]:
+    def __call__(self, x: Array, nu: int = 0, /) -> Array:
         """The nu-th derivative with respect to arc length (nu = 0 .. 2) at the arc lengths x (m, shape (n,)), shape (n,)."""
 
 

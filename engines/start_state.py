@@ -11,14 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.start import Field, Start
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.rigid import follower_angle
-
-Array = NDArray[np.float64]
 
 _PANELS = 256  # of equal length, for integrals along the follower; knots of the fields split them further
 _GAUSS_POINTS, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(8)

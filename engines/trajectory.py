@@ -6,8 +6,8 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, ClassVar, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import AXIAL, BENDING, COLUMNS, ENDS
 from quickreturn.reference_model.mechanism import Scene
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 #: Column name -> values, shape (n,).
-Columns = dict[str, NDArray[np.float64]]
+Columns = dict[str, Array]
 #: Columns that every engine delivers.
 REQUIRED: Final = tuple(name for name, column in COLUMNS.items() if column.required)
 #: Columns that an engine delivers where it has them.
@@ -46,7 +46,7 @@ class Trajectory:
         time = self.columns["time"]
         return f"{type(self).__name__}: {len(time)} rows from {time[0]:g} to {time[-1]:g} s; columns {', '.join(self.columns)}"
 
-    def __getitem__(self, name: str) -> NDArray[np.float64]:
+    def __getitem__(self, name: str) -> Array:
         return self.columns[name]
 
     def __len__(self) -> int:
@@ -77,12 +77,12 @@ def join(pieces: list[Trajectory]) -> Trajectory:
     return replace(pieces[0], columns=columns, solve_seconds=sum(p.solve_seconds for p in pieces), statistics=statistics)
 
 
-def rms(values: NDArray[np.float64]) -> float:
+def rms(values: Array) -> float:
     """Root mean square; 0 for an empty array."""
     return float(np.sqrt(np.mean(np.square(values)))) if values.size else 0.0
 
 
-def scale(name: str, columns: Mapping[str, NDArray[np.float64]]) -> float:
+def scale(name: str, columns: Mapping[str, Array]) -> float:
     """Size that the error of a column is relative to, in its unit: its RMS.
 
     A moment at an end is tiny where the body there is light: its scale is the largest RMS of the moments along the arm; likewise for the
@@ -92,7 +92,7 @@ def scale(name: str, columns: Mapping[str, NDArray[np.float64]]) -> float:
     return max(rms(columns[each]) for each in (family if columns.keys() & {*family} else (name,)) if each in columns)
 
 
-def relative_error(values: NDArray[np.float64], truth: NDArray[np.float64]) -> float:
+def relative_error(values: Array, truth: Array) -> float:
     """RMS of the difference over the RMS of the truth, both of shape (n,); infinite where the truth is zero throughout."""
     size = rms(truth)
     return rms(values - truth) / size if size > 0.0 else math.inf

@@ -11,18 +11,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any, Final, Self, TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
-
 from quickreturn.engines.start import Field, Start
 from quickreturn.engines.trajectory import Columns
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.quantities import quantities_of
 from quickreturn.reference_model.scene_values import Changes, changed
 from quickreturn.reference_model.slider import Slider
 
-Array = NDArray[np.float64]
 _Scene = TypeVar("_Scene", bound=Scene)
 _FACTOR: Final = re.compile(r"([*/ ]?)([A-Za-z]+|1)(?:\^(\d+))?")
 #: Unit -> exponents of length, mass and time.

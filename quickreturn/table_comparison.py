@@ -29,6 +29,7 @@ from quickreturn.engines.plugins import found as found_at
 from quickreturn.engines.plugins import places as of_plugins
 from quickreturn.engines.registry import MAIN
 from quickreturn.engines.trajectory import Trajectory, rms, scale
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.solution import Solution
 from quickreturn.verdict_text import parts_of
@@ -37,7 +38,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-Array = NDArray[np.float64]
 Places = NDArray[np.intp]
 #: A table: a path, a DataFrame a dictionary of arrays with units in the headings, or what `simulate` or `read_table` returns.
 AnyTable = str | os.PathLike[str] | Mapping[str, ArrayLike] | Solution | Trajectory | RecordedTable | Any

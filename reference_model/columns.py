@@ -24,7 +24,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from quickreturn.reference_model.arrays import Array
+
 #: Rows (k,) of `ROW`.
 Rows = NDArray[Any]
 

@@ -2,13 +2,12 @@
 
 from typing import Any, Final
 
-import numpy as np
 from numba import types
 from numba.core import cgutils
 from numba.core.typing.templates import AttributeTemplate
 from numba.extending import infer_getattr, lower_getattr_generic, models, register_model
-from numpy.typing import NDArray
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.native.compilation import inlined
 from quickreturn.reference_model.native.pointers import MEMBERS, array_of, intrinsic
 from quickreturn.reference_model.state import State
@@ -78,6 +77,6 @@ state_at, state_without_slider_at = map(_reader, (_StateAt(1), _StateAt(0)))
 
 
 @inlined
-def state_of(y: NDArray[np.float64], n: int) -> State:
+def state_of(y: Array, n: int) -> State:
     """The parts of a state vector without the slider's place."""
     return state_without_slider_at(y.ctypes.data, n, n + 1)

@@ -7,9 +7,9 @@ import math
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import DOP853  # takes 0.3 s to import: only the compiled loop imports this module
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.integrate import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STAGES, STEP_TOO_SMALL, TOO_MANY_CALLS
 from quickreturn.reference_model.native.compilation import inner
 from quickreturn.reference_model.native.pointers import call_equations, matrix_at, numbers_at
@@ -27,12 +27,12 @@ def _leaving_fraction(
     function: int,
     parameters: int,
     workspace: int,
-    watched: NDArray[np.float64],
-    y: NDArray[np.float64],
-    K: NDArray[np.float64],
+    watched: Array,
+    y: Array,
+    K: Array,
     h: float,
     limit: float,
-    scratch: NDArray[np.float64],
+    scratch: Array,
 ) -> float:
     """Fraction of the step of size h that begins in y, where the slider passes `limit`; by bisection. K: the step's stages."""
     state, rate = scratch[0], scratch[1]
@@ -52,18 +52,18 @@ def _dop853(
     function: int,
     parameters: int,
     workspace: int,
-    watched: NDArray[np.float64],
-    y: NDArray[np.float64],
+    watched: Array,
+    y: Array,
     output_step: float,
     intervals: int,
-    precisions: NDArray[np.float64],
+    precisions: Array,
     controlled: int,
     limit: float,
     step: float,
     least_step: float,
-    states: NDArray[np.float64],
-    K: NDArray[np.float64],
-    scratch: NDArray[np.float64],
+    states: Array,
+    K: Array,
+    scratch: Array,
 ) -> tuple[int, int, float, int, float]:
     """Integrates `y` over `intervals` output steps, as `integrate.dop853` describes; rows go into `states`, K and scratch are overwritten.
 
@@ -119,13 +119,13 @@ def _dop853(
 
 
 @inner
-def _copy(source: NDArray[np.float64], target: NDArray[np.float64]) -> None:
+def _copy(source: Array, target: Array) -> None:
     for i in range(len(source)):
         target[i] = source[i]
 
 
 @inner
-def _stage_state(y: NDArray[np.float64], K: NDArray[np.float64], stage: int, h: float, out: NDArray[np.float64]) -> None:
+def _stage_state(y: Array, K: Array, stage: int, h: float, out: Array) -> None:
     for i in range(0, len(y), 4):
         rate = spread(0.0)
         for j in range(stage):
@@ -135,7 +135,7 @@ def _stage_state(y: NDArray[np.float64], K: NDArray[np.float64], stage: int, h: 
 
 
 @inner
-def _error_norm(K: NDArray[np.float64], h: float, precisions: NDArray[np.float64], controlled: int) -> float:
+def _error_norm(K: Array, h: float, precisions: Array, controlled: int) -> float:
     squares5 = squares3 = spread(0.0)
     for i in range(0, len(precisions), 4):
         e5 = e3 = spread(0.0)
@@ -151,7 +151,7 @@ def _error_norm(K: NDArray[np.float64], h: float, precisions: NDArray[np.float64
 
 
 @inner
-def _interpolate(y: NDArray[np.float64], K: NDArray[np.float64], h: float, u: float, out: NDArray[np.float64]) -> None:
+def _interpolate(y: Array, K: Array, h: float, u: float, out: Array) -> None:
     """The state at the fraction `u` of the step from `y` on, by its stages' rates `K` (equation 5.16)."""
     _copy(y, out)
     for j in range(len(INTERPOLATED)):
@@ -193,13 +193,13 @@ def loop(
 #: Weights of the stages before each stage, shape (13, 13): twelve of the step, and its end.
 A: Final = np.vstack([np.pad(DOP853.A, ((0, 0), (0, 1))), np.append(DOP853.B, 0.0)])
 #: Errors of orders 3 and 5: weights of the step's stages and its end, shape (13,).
-E3: Final[NDArray[np.float64]] = DOP853.E3
-E5: Final[NDArray[np.float64]] = DOP853.E5
+E3: Final[Array] = DOP853.E3
+E5: Final[Array] = DOP853.E5
 #: Stages that the interpolation uses: those with a weight in the step, and the step's end.
 INTERPOLATED: Final = (0, *range(5, 13))
 
 
-def _interpolation() -> NDArray[np.float64]:
+def _interpolation() -> Array:
     """Weights of the `INTERPOLATED` stages at the fraction u of a step (equation 5.17), in powers of 2 u - 1, shape (9, 8)."""
     c = A.sum(axis=1)
     powers = np.vander(2.0 * c - 1.0, 7, increasing=True).T

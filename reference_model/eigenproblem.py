@@ -1,9 +1,8 @@
 """The symmetric eigenproblem of two matrices, by numpy alone: `scipy.linalg` takes longer to import than all solutions of a run."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from quickreturn.reference_model.arrays import Array
 
 
 def eigh(A: Array, B: Array) -> tuple[Array, Array]:

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.entries import IMPLICIT_LOOP, LOOP
 from quickreturn.reference_model.native.memory import ComplexMatrix, ComplexVector, Cube, Matrix, Placed, Vector
 
@@ -38,7 +38,7 @@ class Integration:
         next_step: step size (s) to continue with where the end was reached (0 for LSODA).
     """
 
-    states: NDArray[np.float64]
+    states: Array
     status: int
     end_time: float
     calls: int
@@ -65,15 +65,15 @@ class Equations:
     function: int
     parameters: int
     workspace: int
-    watched: NDArray[np.float64]
+    watched: Array
 
 
 def dop853(
     equations: Equations,
-    y: NDArray[np.float64],
+    y: Array,
     output_step: float,
     intervals: int,
-    scales: NDArray[np.float64],
+    scales: Array,
     limit: float,
     pace: float,
     first_step: float = 0.0,

@@ -5,9 +5,8 @@ The first two and last two pieces of a spline are one cubic each ("not a knot"),
 
 import numpy as np
 from numpy.polynomial import legendre
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from quickreturn.reference_model.arrays import Array
 
 
 class CubicSpline:

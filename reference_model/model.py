@@ -8,6 +8,7 @@ import numpy as np
 import scipy  # whose parts are imported when they are used
 from numpy.typing import NDArray
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.beam import tables as beam
 from quickreturn.reference_model.columns import NUMBERS, recorded_columns
 from quickreturn.reference_model.constants import characteristic_frequency, crank_speed_scale, pace
@@ -23,7 +24,6 @@ from quickreturn.reference_model.rigid import deflection_scale, rigid_motion, st
 from quickreturn.reference_model.shapes import ShapeSet, decoupled, no_shapes
 from quickreturn.reference_model.state import State
 
-Array = NDArray[np.float64]
 #: Function of the slider's place (m) and arc lengths (m), shape (k,). It returns the shapes' tangent angles and their derivatives by the
 #: slider's place, each of shape (k, n).
 Angles = Callable[[float, Array], tuple[Array, Array]]

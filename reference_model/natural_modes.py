@@ -24,12 +24,11 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.eigenproblem import eigh
 from quickreturn.reference_model.mechanism import Crank, FollowerAlone, Mechanism, PrescribedSpeed, Scene
 from quickreturn.reference_model.rigid import crank_pace, stiffness_across
 from quickreturn.reference_model.tip import Tip
-
-Array = NDArray[np.float64]
 
 #: Number of crank angles at which the lowest natural frequency is computed: in half a turn, which the other half mirrors.
 RATIO_ANGLES: Final = 9

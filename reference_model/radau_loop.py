@@ -6,11 +6,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.integrate import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STEP_TOO_SMALL, TOO_MANY_CALLS, RadauRun
 from quickreturn.reference_model.native.compilation import inner
 from quickreturn.reference_model.native.pointers import call_equations, reader
-
-Array = NDArray[np.float64]
 
 #: Newton's iteration ends where what is left is this fraction of the accepted local error, and fails after so many iterations.
 NEWTON: Final = 0.03

@@ -9,13 +9,11 @@ from functools import lru_cache
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Base, Mechanism, Scene, TorqueDrive
 from quickreturn.reference_model.spring import pull_of, spring_stiffness
 from quickreturn.reference_model.tip import slide_friction, tip_force
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.eigenproblem import eigh
 
 #: Degree of the polynomials that represent a transcendental mode on one cell; with at most a quarter of a wave per cell the
@@ -29,8 +29,8 @@ class ShapeSet:
         has_continuous_curvature: whether phi'' is continuous, which a slider with rotary inertia needs.
     """
 
-    edges: NDArray[np.float64]
-    coefficients: NDArray[np.float64]
+    edges: Array
+    coefficients: Array
     has_continuous_curvature: bool
 
     @property
@@ -38,7 +38,7 @@ class ShapeSet:
         """Number of shapes n."""
         return self.coefficients.shape[2]
 
-    def evaluate(self, x: NDArray[np.float64], derivative: int = 0) -> NDArray[np.float64]:
+    def evaluate(self, x: Array, derivative: int = 0) -> Array:
         """Values of the given derivative with respect to x at arc lengths `x` (m, shape (k,)); shape (k, n)."""
         x = np.asarray(x, dtype=float)
         cell = np.clip(np.searchsorted(self.edges, x, side="right") - 1, 0, len(self.edges) - 2)
@@ -64,7 +64,7 @@ def hermite_elements(length: float, elements: int) -> ShapeSet:
     return hermite_between(np.linspace(0.0, length, elements + 1))
 
 
-def hermite_between(nodes: NDArray[np.float64]) -> ShapeSet:
+def hermite_between(nodes: Array) -> ShapeSet:
     """Cubic Hermite elements between given nodes (m, ascending, from 0 to L); coordinates as in `hermite_elements`."""
     elements = len(nodes) - 1
     coefficients = np.zeros((elements, 4, 2 * elements + 2))
@@ -97,7 +97,7 @@ def clamped_free_modes(length: float, count: int) -> ShapeSet:
     return ShapeSet(edges, np.ascontiguousarray(np.einsum("km,cmi->cki", shift, taylor)), True)
 
 
-def _clamped_free_mode(k: int, xi: NDArray[np.float64], derivative: int) -> NDArray[np.float64]:
+def _clamped_free_mode(k: int, xi: Array, derivative: int) -> Array:
     """A derivative by xi = x/L of mode k of the clamped-free beam, with decaying exponentials so that high modes keep all digits."""
     guess = (k + 0.5) * np.pi
     b = scipy.optimize.brentq(lambda z: np.cos(z) + 1.0 / np.cosh(z), max(guess - 0.6, 1.0), guess + 0.6, xtol=1e-14, rtol=1e-14)
@@ -114,7 +114,7 @@ def no_shapes(length: float) -> ShapeSet:
     return ShapeSet(np.array([0.0, length]), np.zeros((1, 1, 0)), True)
 
 
-def decoupled(shapes: ShapeSet, mass_per_length: float, bending_stiffness: float) -> tuple[ShapeSet, NDArray[np.float64]]:
+def decoupled(shapes: ShapeSet, mass_per_length: float, bending_stiffness: float) -> tuple[ShapeSet, Array]:
     """Combinations of shapes for which the mass and stiffness matrices of the clamped beam are diagonal (equation 2.10).
 
     Args:

@@ -13,10 +13,9 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.quantities import quantity
-
-Array = NDArray[np.float64]
 
 #: Shortest length of the spring in the rigid mechanism's motion, over the follower's length. At zero it has no direction.
 LEAST_LENGTH: Final = 1e-3

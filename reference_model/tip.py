@@ -7,6 +7,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.quantities import quantity
 
@@ -122,7 +123,6 @@ class Tip:
         return abs(self.force_to - self.force_from - 2.0 * math.pi) <= ROUNDING
 
 
-Array = NDArray[np.float64]
 #: Smallest part of the turn (rad) that counts as the whole turn, over which the force is constant.
 WHOLE: Final = 2.0 * math.pi - ROUNDING
 #: Part of `friction_speed` below which the direction of a velocity does not matter: the friction is then zero to twelve digits.

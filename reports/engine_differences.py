@@ -4,13 +4,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.cases.comparison.engines import REFERENCE, CaseResult
 from quickreturn.cases.comparison.pair import WAVEFORM, Difference, Kind
 from quickreturn.cases.motion.cycle import HALVES
 from quickreturn.cases.motion.marching import channels_of
 from quickreturn.cases.motion.settling import GRID, on_common_grid
+from quickreturn.reference_model.arrays import Array
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,7 +42,7 @@ def differences(
     return [difference for result in results for difference in result.differences(name, kind, other, half, channel)]
 
 
-def used_along(result: CaseResult, name: str) -> NDArray[np.float64] | None:
+def used_along(result: CaseResult, name: str) -> Array | None:
     """The largest difference of an engine's channels from those it is held against, over the tolerance, at even crank angles, shape (720,).
 
     None if its waveforms are not judged.

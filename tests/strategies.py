@@ -12,16 +12,15 @@ from typing import Literal, Self
 
 import numpy as np
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from quickreturn.engines.start import Start
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.follower import Follower
 from quickreturn.reference_model.mechanism import Base, Crank, Mechanism, PrescribedSpeed, TorqueDrive
 from quickreturn.reference_model.slider import Slider
 from quickreturn.reference_model.spring import Spring
 from quickreturn.reference_model.tip import ForceTable, Tip
 
-Array = NDArray[np.float64]
 Drive = Literal["torque", "prescribed", "any"]
 
 

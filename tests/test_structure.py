@@ -30,8 +30,8 @@ FILES = list(MODULES.values())
 
 #: What one must know to change anything else: nothing in it imports anything outside it at the head of a file (docs/developing.md).
 KERNEL = """
-reference_model: columns eigenproblem errors follower interpolation mechanism natural_modes quantities rigid scene_values shapes slider
-    spring tip
+reference_model: arrays columns eigenproblem errors follower interpolation mechanism natural_modes quantities rigid scene_values shapes
+    slider spring tip
 reference_model.native: cache_folder
 engines: accurate base error_parts ladder one_run plugins progress refusals registry settings start
     trajectory

@@ -17,7 +17,6 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.optimize import minimize_scalar
 from scipy.signal import butter, lfilter
@@ -28,9 +27,8 @@ from quickreturn.cases.motion.marching import channels_of
 from quickreturn.cases.motion.request import NOTHING, Run
 from quickreturn.cases.motion.settling import GRID, on_common_grid
 from quickreturn.engines.trajectory import rms, scale
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import COLUMNS
-
-Array = NDArray[np.float64]
 
 #: Least RMS difference of a column, over its RMS, that needs an explanation, and largest that an explanation may leave. Main engines
 #: claim up to 0.7 % at their default settings.

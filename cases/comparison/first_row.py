@@ -5,15 +5,13 @@ from collections.abc import Mapping
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.cases.files.instants import noise_of
 from quickreturn.cases.files.recorded import RecordedTable
 from quickreturn.cases.motion.time_scale import CHANNELS
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.rigid import crank_pace, rigid_motion
-
-Array = NDArray[np.float64]
 
 #: Allowed departure, besides noise, of a first row from the standard start, as a part of a turn for time and crank angle and of the largest
 #: magnitude for other columns ...

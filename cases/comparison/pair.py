@@ -18,7 +18,6 @@ from functools import cached_property
 from typing import Any, Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.cases.motion.cycle import EXTREMES, HALVES, VIBRATION, signals_by_half
 from quickreturn.cases.motion.marching import channels_of
@@ -35,9 +34,8 @@ from quickreturn.cases.motion.request import Run
 from quickreturn.cases.motion.settling import GRID, Cycle, on_common_grid
 from quickreturn.cases.motion.time_scale import CHANNELS
 from quickreturn.engines.trajectory import rms
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import COLUMNS
-
-Array = NDArray[np.float64]
 
 #: Differences of two signals in a half, at equal crank angles: their RMS, and their largest magnitude.
 WAVEFORM: Final = ("waveform", "largest_difference")

@@ -15,7 +15,6 @@ from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.cases.comparison.first_row import first_row
 from quickreturn.cases.files.case import Case
@@ -31,11 +30,10 @@ from quickreturn.cases.motion.request import STANDARD, Approach, Recording, Run
 from quickreturn.cases.motion.settling import AT_THE_END, GREATEST_NUMBER, TOLERANCE, Cycle, Settling, cut_cycles, on_common_grid
 from quickreturn.cases.motion.time_scale import CHANNELS, SAMPLES, TURN, time_scale
 from quickreturn.engines.trajectory import rms
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import COLUMNS, SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.rigid import crank_pace, mean_crank_speed
-
-Array = NDArray[np.float64]
 
 #: Columns without extremes: they grow from turn to turn.
 GROWING: Final = ("time", "crank_angle", "dissipated_energy", "drive_work")

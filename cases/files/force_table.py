@@ -6,14 +6,13 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.cases.files.errors import CaseError, as_written, path_shown
 from quickreturn.cases.files.number_rows import name_and_unit, table_text, unit_factor
 from quickreturn.cases.files.text_file import read_text
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.tip import ROUNDING, ForceTable
 
-Array = NDArray[np.float64]
 ANGLE: Final = "crank_angle"
 #: Columns of a force in the fixed frame, and of one that turns with the follower's end.
 FIXED: Final = ("force_n1", "force_n2")

@@ -9,11 +9,9 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.cases.files.errors import CaseError
-
-Array = NDArray[np.float64]
+from quickreturn.reference_model.arrays import Array
 
 #: Columns that do not jump at an event.
 _PLACES: Final = ("crank_angle", "follower_angle", "slider_position", "tip_x", "tip_y", "tip_deflection")

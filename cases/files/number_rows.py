@@ -12,12 +12,10 @@ from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.cases.files.errors import CaseError, as_written, shortened
 from quickreturn.cases.files.units import DIMENSIONS, PURE_UNITS, QuantityError, in_si, unit_size
-
-Array = NDArray[np.float64]
+from quickreturn.reference_model.arrays import Array
 
 #: Separator -> its name.
 SEPARATORS: Final = {",": "commas", ";": "semicolons", "\t": "tabulators", " ": "blanks"}

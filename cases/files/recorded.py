@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from quickreturn.cases.files.column_mapping import (
     IGNORED,
@@ -29,9 +29,8 @@ from quickreturn.cases.files.errors import CaseError, as_written, path_shown, pr
 from quickreturn.cases.files.instants import gaps, single_instants
 from quickreturn.cases.files.number_rows import Form, TableText, does_not_rise, table_text
 from quickreturn.cases.files.text_file import read_table_text
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import COLUMNS
-
-Array = NDArray[np.float64]
 
 MOST_ROWS: Final = 1_000_000
 _MOST_BYTES: Final = 100_000_000

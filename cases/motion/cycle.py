@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from quickreturn.cases.motion.extremes import extremes, low_pass
@@ -14,8 +13,7 @@ from quickreturn.cases.motion.first_mode import FirstMode, agreeing, fit_first_m
 from quickreturn.cases.motion.number import Consensus, Number, consensus, or_nan
 from quickreturn.cases.motion.time_scale import SAMPLES, ChannelHalf, TimeScale, channel_half, half_cycle
 from quickreturn.engines.error_parts import ErrorPart
-
-Array = NDArray[np.float64]
+from quickreturn.reference_model.arrays import Array
 
 HALVES = ("pre", "post")
 #: Quantities of each channel, by the names of the fields of `ChannelMeasures`.

@@ -25,8 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from quickreturn.cases.motion.time_scale import ChannelHalf
-
-Array = NDArray[np.float64]
+from quickreturn.reference_model.arrays import Array
 
 PRIOR_STRENGTH = 0.006  # residual, as a part of the signal's RMS, that weighs as much as a parameter that is one of its scales off zero
 PRIOR_SCALES = np.array([np.inf, 1.5, 0.15, 0.6, np.inf])  # alpha, beta, kappa, rho, alpha2; inf: no prior

@@ -24,7 +24,6 @@ from functools import partial
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.cases.motion.cycle import EXTREMES, VIBRATION, ChannelMeasures, CycleMeasures, measure_cycles
 from quickreturn.cases.motion.marching import channels_of, mean_measures
@@ -34,9 +33,8 @@ from quickreturn.cases.motion.settling import GRID, on_common_grid
 from quickreturn.cases.motion.time_scale import CHANNELS, time_scale
 from quickreturn.engines.error_parts import Compared, ErrorPart, total
 from quickreturn.engines.trajectory import Columns
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism
-
-Array = NDArray[np.float64]
 
 #: Part of the RMS difference of two signals that counts as error of their root mean squares, besides the difference of these. That is at
 #: most the whole; it is less as far as the difference of the signals is at right angles to them.

@@ -7,12 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 import scipy  # whose parts are imported when they are used
-from numpy.typing import NDArray
 
 from quickreturn.cases.motion.number import Number
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.interpolation import CubicSpline
-
-Array = NDArray[np.float64]
 
 #: Largest ratio of a spline's error at a corner between two samples to the error of a spline through every other sample at the nearest
 #: four: the corner is then symmetric and lies midway. For a smooth signal the ratio is 1/16, so this overestimates a tiny error.

@@ -7,12 +7,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.cases.motion.drifting_fit import Bounds, Fit, Problem, Waves, left_by, orthonormal, refined, without
 from quickreturn.cases.motion.time_scale import SAMPLES, ChannelHalf, polynomials
-
-Array = NDArray[np.float64]
+from quickreturn.reference_model.arrays import Array
 
 SCAN = np.linspace(0.70, 1.35, 27)  # values of alpha at which the fit is tried
 SEPARATION = 0.08  # least difference of alpha between the two scanned minima that are refined

@@ -25,13 +25,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import FrozenModes, deflections
-
-Array = NDArray[np.float64]
 
 LARGEST = 0.1  # largest change for which perturbation holds; a crank as light as the follower yields completely
 TINY = np.finfo(np.float64).tiny

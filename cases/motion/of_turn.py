@@ -12,12 +12,11 @@ from functools import cache
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.engines.plugins import found, places
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism
 
-Array = NDArray[np.float64]
 #: Columns of a turn from the slider's farthest place to the next, by name, in SI units, each of shape (rows,).
 Turn = Mapping[str, Array]
 

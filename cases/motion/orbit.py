@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final, cast
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import PPoly
 
 from quickreturn.cases.motion.endings import Ending
@@ -28,12 +27,11 @@ from quickreturn.engines.one_run import Remembered
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start, standard_start
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism
 
 if TYPE_CHECKING:
     from quickreturn.engines.own.simulation import FoundOrbit
-
-Array = NDArray[np.float64]
 
 #: Relative error of an engine in a few cycles that is assumed if it has no estimate.
 UNKNOWN_ERROR: Final = 1e-2

@@ -6,8 +6,8 @@ from functools import cache
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import frozen_crank_modes, turn_angles
 from quickreturn.reference_model.rigid import mean_crank_speed
@@ -79,7 +79,7 @@ def resonance(mechanism: Mechanism, mean_speed: float | None = None) -> Resonanc
 
 
 @cache
-def _first_frequencies(mechanism: Mechanism) -> NDArray[np.float64]:
+def _first_frequencies(mechanism: Mechanism) -> Array:
     """The first mode's frequency with the crank held at even angles of the turn, Hz."""
     return np.array([frozen_crank_modes(mechanism, angle, 1).frequencies[0] for angle in turn_angles(mechanism, ANGLES)])
 

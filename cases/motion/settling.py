@@ -6,10 +6,9 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-Array = NDArray[np.float64]
+from quickreturn.reference_model.arrays import Array
 
 TOLERANCE = 1e-3  # of the remaining error, relative to the signals' RMS
 GREATEST_NUMBER = 60  # of cycles

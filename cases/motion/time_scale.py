@@ -9,16 +9,14 @@ from functools import cache
 
 import numpy as np
 from numpy.polynomial import legendre
-from numpy.typing import NDArray
 from scipy.integrate import cumulative_simpson
 from scipy.interpolate import CubicSpline
 
 from quickreturn.cases.motion.moving_mode import moving_mode, periodic
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import FrozenModes, deflections, frozen_crank_modes, turn_angles
 from quickreturn.reference_model.scene_values import changed
-
-Array = NDArray[np.float64]
 
 CHANNELS = ("tip_acceleration", "strain_1", "strain_2", "strain_3")
 MODES = 3

@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from quickreturn.reference_model.arrays import Array
 
 #: Gauss points of the elements' bending moments and axial forces, as `flexible.section_of` asks for them.
 _BENDING_POINTS, _BENDING_WEIGHTS = np.polynomial.legendre.leggauss(2)

@@ -9,9 +9,6 @@ from dataclasses import replace
 from importlib.util import find_spec
 from typing import Final
 
-import numpy as np
-from numpy.typing import NDArray
-
 from quickreturn.engines.base import (
     HELD,
     ROLLERS,
@@ -31,6 +28,7 @@ from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.ladder import gain_of
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.units import Units
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.natural_modes import clamped_modes, stiffness_ratio
 from quickreturn.reference_model.rigid import crank_pace
@@ -123,7 +121,7 @@ class ExudynEngine(Engine[ExudynSettings]):
         stepped = ExtrapolatedSimulation(fine, simulation(settings.fewer_steps_in)) if settings.extrapolated else fine
         return PassingSimulation(stepped, settings.rows_in_step) if settings.rows > 1 else stepped
 
-    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ExudynSettings) -> NDArray[np.float64]:
+    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ExudynSettings) -> Array:
         """Frozen-crank frequencies in Hz; none for a rigid follower on a rigid joint. See `Engine.natural_frequencies`."""
         self.check(mechanism)
         from quickreturn.engines.exudyn.models import natural_frequencies

@@ -3,7 +3,6 @@
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.engines.exudyn.assembly import Assembly
 from quickreturn.engines.exudyn.cable import Kink, direction, dot, turned
@@ -30,11 +29,10 @@ from quickreturn.engines.exudyn.settings import SLIDING, ExudynSettings
 from quickreturn.engines.exudyn.slider import JointLaw, add_slider
 from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import StartState
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import MOMENTS, PLACES
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.rigid import follower_angle
-
-Array = NDArray[np.float64]
 
 #: Number of elements from which on every other node has a damper, the fewest for the quadrature, which is of fourth order.
 FEWEST_FOR_HALF_THE_DAMPERS: Final = 12

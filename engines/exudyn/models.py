@@ -10,7 +10,6 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.engines.exudyn.assembly import Assembly
 from quickreturn.engines.exudyn.cable import Cable
@@ -22,6 +21,7 @@ from quickreturn.engines.exudyn.rigid import RigidModel, follower_inertia
 from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import StartState, at_rest, reconstruct
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene, base_motion
 from quickreturn.reference_model.rigid import stiffness_across
 
@@ -35,9 +35,6 @@ def model_of(scene: Scene, start: Start | None, settings: ExudynSettings) -> Mod
     if scene.follower.is_rigid:
         return RigidModel(scene, start, state)
     return FlexibleModel(scene, start, state, settings)
-
-
-Array = NDArray[np.float64]
 
 
 class FollowerModel(CableModel):
@@ -101,7 +98,7 @@ class FollowerModel(CableModel):
 _LOWEST = 1e-4  # in the scene's unit of time; below it lies the round-off of a motion without stiffness
 
 
-def natural_frequencies(mechanism: Mechanism, crank_angle: float, count: int, elements: int) -> NDArray[np.float64]:
+def natural_frequencies(mechanism: Mechanism, crank_angle: float, count: int, elements: int) -> Array:
     """The `count` lowest frequencies with the crank held, follower straight and at rest, ascending, shape (<= count,).
 
     The mechanism, and so the frequencies, are in units of the scene's own.

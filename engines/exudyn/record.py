@@ -4,16 +4,15 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.engines.exudyn.assembly import Assembly
 from quickreturn.engines.exudyn.cable import Cable, dot, turned
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import PLACES, SHAPE
 from quickreturn.reference_model.mechanism import TorqueDrive
 from quickreturn.reference_model.spring import Pull, Spring, pull_of, spring_energy
 from quickreturn.reference_model.tip import Tip, slide_friction, tip_force
 
-Array = NDArray[np.float64]
 #: Values with their first and second derivatives in time.
 Kinematics = tuple[Array, Array, Array]
 

@@ -4,7 +4,6 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.engines.exudyn.assembly import CARRIAGE, CARRIAGE_MASS, Assembly
 from quickreturn.engines.exudyn.library import exu, items
@@ -26,10 +25,9 @@ from quickreturn.engines.exudyn.record import (
 from quickreturn.engines.exudyn.slider import JointLaw
 from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import StartState
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
-
-Array = NDArray[np.float64]
 
 
 def follower_inertia(mechanism: Mechanism) -> float:

@@ -11,7 +11,6 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.engines.base import EngineFailure, Simulation
 from quickreturn.engines.exudyn.construction import longest_stretch
@@ -20,9 +19,9 @@ from quickreturn.engines.exudyn.record import Model, Record
 from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.trajectory import Trajectory, join, trajectory_type
 from quickreturn.engines.units import Units
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.interpolation import CubicSpline
 
-Array = NDArray[np.float64]
 _Row = tuple[Array, Array, Array, Array, float, float]
 
 #: Change of the coordinates (in the scene's unit of length, rad or slopes) that ends Newton's iteration whatever the first one was:

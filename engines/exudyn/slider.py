@@ -14,7 +14,6 @@ from dataclasses import astuple
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.engines.exudyn.assembly import CARRIAGE, CARRIAGE_MASS, Assembly
 from quickreturn.engines.exudyn.cable import Cable
@@ -22,10 +21,9 @@ from quickreturn.engines.exudyn.library import exu, items
 from quickreturn.engines.exudyn.record import index
 from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import StartState
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.joint import joint_energy, joint_force, rollers
 from quickreturn.reference_model.slider import Slider
-
-Array = NDArray[np.float64]
 
 
 class JointLaw:

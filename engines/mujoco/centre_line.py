@@ -14,7 +14,8 @@ import math
 import numpy as np
 from numba import types
 
-from quickreturn.engines.mujoco.context import VECTOR, Array, Context, Points, compiled, dot, entry
+from quickreturn.engines.mujoco.context import VECTOR, Context, Points, compiled, dot, entry
+from quickreturn.reference_model.arrays import Array
 
 
 @entry(VECTOR(types.float64, types.intp, types.float64, types.intp))

@@ -10,11 +10,11 @@ import math
 import mujoco
 import numpy as np
 import scipy  # whose linear algebra is imported when it is used
-from numpy.typing import NDArray
 
 from quickreturn.engines.mujoco.centre_line import centre_line_coefficients
 from quickreturn.engines.mujoco.settings import hinge_count
 from quickreturn.engines.units import Units
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.eigenproblem import eigh
 from quickreturn.reference_model.mechanism import Mechanism, Scene, TorqueDrive
 from quickreturn.reference_model.rigid import stiffness_across
@@ -101,7 +101,7 @@ def add_hinge(body: mujoco.MjsBody, stiffness: float = 0.0, damping: float = 0.0
     joint.stiffness, joint.damping = ((linear, 0.0, 0.0) if cubic else linear for linear in (stiffness, damping))
 
 
-def follower_matrices(model: mujoco.MjModel, mechanism: Scene, hinges: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def follower_matrices(model: mujoco.MjModel, mechanism: Scene, hinges: int) -> tuple[Array, Array]:
     """Mass (kg m^2) and stiffness (N m) matrices of the straight follower in base and hinge angles, crank held; (N + 1, N + 1)."""
     mass = mass_matrix(model)
     first = model.nv - hinges - 1
@@ -111,7 +111,7 @@ def follower_matrices(model: mujoco.MjModel, mechanism: Scene, hinges: int) -> t
     return mass[first:, first:], np.diag(stiffness)
 
 
-def mass_matrix(model: mujoco.MjModel) -> NDArray[np.float64]:
+def mass_matrix(model: mujoco.MjModel) -> Array:
     """MuJoCo's mass matrix at zero coordinates; `mj_fullM` has other arguments in older versions."""
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
@@ -121,7 +121,7 @@ def mass_matrix(model: mujoco.MjModel) -> NDArray[np.float64]:
     return mass
 
 
-def follower_damping(scene: Scene, hinges: int) -> NDArray[np.float64]:
+def follower_damping(scene: Scene, hinges: int) -> Array:
     """Damping matrix (N m s) that goes with `follower_matrices`: of the base and the tip at rest, of the link centres and in the hinges."""
     lengths = np.full(hinges, scene.follower.length / max(hinges, 1))
     lengths[-1:] *= 0.5
@@ -141,7 +141,7 @@ def follower_damping(scene: Scene, hinges: int) -> NDArray[np.float64]:
     return damping
 
 
-def natural_frequencies(mechanism: Mechanism, crank_angle: float, count: int, links: int) -> NDArray[np.float64]:
+def natural_frequencies(mechanism: Mechanism, crank_angle: float, count: int, links: int) -> Array:
     """Lowest `count` frequencies, Hz, of the straight chain supported at the slider; none for a rigid follower on a rigid joint.
 
     The hinges have no armature here, which serves the time integration only.
@@ -163,13 +163,13 @@ def natural_frequencies(mechanism: Mechanism, crank_angle: float, count: int, li
     return np.sqrt(np.maximum(squares[:count], 0.0)) / (2.0 * math.pi * units.time)
 
 
-def support_row(mechanism: Mechanism, hinges: int, crank_angle: float) -> NDArray[np.float64]:
+def support_row(mechanism: Mechanism, hinges: int, crank_angle: float) -> Array:
     """Transverse displacement of the straight follower at the slider per base and hinge angle, m, shape (N + 1,)."""
     arm = mechanism.crank.length
     return row_at(mechanism, hinges, math.hypot(mechanism.pivot_distance - arm * math.cos(crank_angle), arm * math.sin(crank_angle)))
 
 
-def row_at(mechanism: Mechanism, hinges: int, x: float) -> NDArray[np.float64]:
+def row_at(mechanism: Mechanism, hinges: int, x: float) -> Array:
     """The same at the arc length x, m."""
     coefficients = centre_line_coefficients(x, hinges, mechanism.follower.length / max(hinges, 1), 0)
     return np.asarray(np.cumsum(coefficients[::-1])[::-1])  # a hinge turns every link beyond it
@@ -206,7 +206,7 @@ def stable_step(model: mujoco.MjModel, scene: Scene, hinges: int) -> float:
     return min(limits)
 
 
-def _stable_step(mass: NDArray[np.float64], damping: NDArray[np.float64], stiffness: NDArray[np.float64]) -> float:
+def _stable_step(mass: Array, damping: Array, stiffness: Array) -> float:
     """Longest stable step h (s) of `time_loop` for M q'' + D q' + K q = 0: at it 4 M - 7 h D - h² K is singular.
 
     The quickest motion then changes its sign from step to step: see `time_loop._step` with a(t + h) = -a(t).

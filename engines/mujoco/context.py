@@ -19,6 +19,7 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 from numpy.typing import NDArray
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.native.compilation import Function, jitted
 from quickreturn.reference_model.spring import SpringLaw
 
@@ -153,7 +154,6 @@ CONTEXT = np.dtype(
 )
 
 Context = Any  # a record of CONTEXT: numba gives its fields as attributes
-Array = NDArray[np.float64]
 Points = NDArray[np.complex128]
 
 ADDRESS, VECTOR, CONTEXTS = types.intp, types.float64[::1], numba.from_dtype(CONTEXT)[::1]

@@ -5,14 +5,12 @@ import math
 from collections.abc import Mapping
 from typing import Final
 
-import numpy as np
-from numpy.typing import NDArray
-
 from quickreturn.engines import refusals
 from quickreturn.engines.base import FRICTION, HELD, ROLLERS, SPIN_UP, TOOL, USUAL, Comparison, Engine, ModelDescription, Simulation
 from quickreturn.engines.mujoco import installation
 from quickreturn.engines.mujoco.settings import ARMATURE, LADDER, MOST_LINKS, STIFFEST_ARMATURE, ChainSettings, description_of, hinge_count
 from quickreturn.engines.start import Start
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.natural_modes import stiffness_ratio
 
@@ -95,7 +93,7 @@ class MujocoEngine(Engine[ChainSettings]):
 
         return ChainSimulation(scene, start, settings)
 
-    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ChainSettings) -> NDArray[np.float64]:
+    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ChainSettings) -> Array:
         self.check(mechanism)
         from quickreturn.engines.mujoco.chain import natural_frequencies
 

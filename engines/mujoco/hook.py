@@ -22,7 +22,6 @@ from quickreturn.engines.mujoco.centre_line import (
 from quickreturn.engines.mujoco.context import (
     CONTEXT,
     TIME_AND_USERDATA,
-    Array,
     Context,
     Points,
     compiled,
@@ -33,6 +32,7 @@ from quickreturn.engines.mujoco.context import (
     pointer,
 )
 from quickreturn.reference_model import joint, spring
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import base_motion as motion_of_base
 from quickreturn.reference_model.native.compilation import callback
 from quickreturn.reference_model.tip import STILL, tool_force

@@ -8,7 +8,6 @@ import numpy as np
 from quickreturn.engines.mujoco.centre_line import centre_line_coefficients, crank_of, link_directions, link_rates
 from quickreturn.engines.mujoco.context import (
     TIME_AND_USERDATA,
-    Array,
     Context,
     Points,
     compiled,
@@ -20,6 +19,7 @@ from quickreturn.engines.mujoco.context import (
 )
 from quickreturn.engines.mujoco.hook import force_on_tip, pivot_friction
 from quickreturn.reference_model import joint, spring
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import PLACES
 
 joint_energy, spring_energy = compiled(joint.joint_energy), compiled(spring.spring_energy)

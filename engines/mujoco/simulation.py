@@ -21,12 +21,11 @@ from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import reconstruct
 from quickreturn.engines.trajectory import Trajectory, trajectory_type
 from quickreturn.engines.units import Units
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import ROW, by_column, recorded_columns
 from quickreturn.reference_model.joint import rollers
 from quickreturn.reference_model.mechanism import Mechanism, Scene, TorqueDrive
 from quickreturn.reference_model.tip import tool_constants
-
-Array = NDArray[np.float64]
 
 #: Longest step over the stable one with a rigid follower, whose only vibration is that of a compliant joint.
 _RESOLVED = 1.0 / 64.0

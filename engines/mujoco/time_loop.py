@@ -13,7 +13,6 @@ from quickreturn.engines.mujoco.context import (
     CONTEXTS,
     TIME_AND_USERDATA,
     VECTOR,
-    Array,
     Context,
     compiled,
     entry,
@@ -25,6 +24,7 @@ from quickreturn.engines.mujoco.context import (
 )
 from quickreturn.engines.mujoco.hook import base_motion
 from quickreturn.engines.mujoco.record import record
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import ROW
 
 GOOD, SLIDER_LEFT, NOT_FINITE = 0, 1, 2

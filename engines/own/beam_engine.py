@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Final, TypeVar
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from quickreturn.engines.base import Comparison, Engine, EngineFailure, ModelDescription, ModelledScene
 from quickreturn.engines.settings import Settings, setting
 from quickreturn.engines.start import Start
 from quickreturn.engines.start_state import reconstruct
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.constants import characteristic_frequency
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 
@@ -131,7 +131,7 @@ class BeamEngine(Engine[S]):
             raise EngineFailure(0.0, "the loop cannot be closed in the given start", advice)
         return OwnSimulation(model, state, settings.tolerance, time.perf_counter() - began + model.made_before)
 
-    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: S) -> NDArray[np.float64]:
+    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: S) -> Array:
         """See `Engine.natural_frequencies`; those of the discretized model."""
         self.check(mechanism)
         return self.model(mechanism, settings).natural_frequencies(crank_angle, count)
@@ -193,7 +193,7 @@ def description(scene: Scene, beam: str, joint: str, coordinates: int) -> ModelD
     return ModelDescription(tuple(name for name, there in bodies.items() if there), joints, coordinates + int(scene.crank_is_free))
 
 
-def state_of(model: "BeamModel", scene: Scene, start: Start | None) -> NDArray[np.float64]:
+def state_of(model: "BeamModel", scene: Scene, start: Start | None) -> Array:
     """The model's state closest to a start; for a follower alone straight and at rest."""
     if start is None or scene.crank is None:
         return model.state_at_rest()

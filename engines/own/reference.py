@@ -9,9 +9,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Self, TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
-
 from quickreturn.engines import refusals
 from quickreturn.engines.base import FRICTION, HELD, ROLLERS, SPIN_UP, TOOL, USUAL, Comparison, NoSteadyState, SteadyState
 from quickreturn.engines.ladder import Ladder, fitted
@@ -30,6 +27,7 @@ from quickreturn.engines.own.beam_engine import (
 from quickreturn.engines.settings import setting
 from quickreturn.engines.start import Start
 from quickreturn.reference_model import joint
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.beam.modes import needs_base_shape
 from quickreturn.reference_model.constants import unslowed
 from quickreturn.reference_model.joint import CLOSED, MULTIPLIER, SliderConstraint, friction_in_words, joint_in_words, rollers
@@ -279,7 +277,7 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
         assert isinstance(model, BeamModel)
         turn_to(model, begin.state.copy(), float(begin.state[0]), 1)  # so that the time of the search does not count its compilation
         began = time.perf_counter()
-        guess: NDArray[np.float64] | PeriodicOrbit = begin.state
+        guess: Array | PeriodicOrbit = begin.state
         if isinstance(near, FoundOrbit) and near.simulation.model.scene == mechanism:
             guess = near.orbit
         elif isinstance(near, FoundOrbit):
@@ -302,7 +300,7 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
             orbit=orbit,
         )
 
-    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ReferenceSettings) -> NDArray[np.float64]:
+    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ReferenceSettings) -> Array:
         """Converged, whatever the number of modes in simulations; a rigid follower vibrates on a soft joint alone."""
         self.check(mechanism)
         if mechanism.follower.is_rigid:

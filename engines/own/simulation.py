@@ -6,19 +6,17 @@ from dataclasses import dataclass
 from typing import Any, Final, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.engines.base import EngineFailure, NoSteadyState, Simulation, SteadyState
 from quickreturn.engines.start import Start
 from quickreturn.engines.trajectory import Trajectory, trajectory_type
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import JOINT_COLUMNS
 from quickreturn.reference_model.cycles.periodic import NoPeriodicOrbit, PeriodicOrbit, largest_multiplier
 from quickreturn.reference_model.integrate import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STEP_TOO_SMALL, TOO_MANY_CALLS, Integration
 from quickreturn.reference_model.joint import CHORDS, LEVER
 from quickreturn.reference_model.model import BeamModel, ObservationFailed
 from quickreturn.reference_model.state import BY_JOINT, State
-
-Array = NDArray[np.float64]
 
 _CAUSES: Final = {
     LEFT_FOLLOWER: ("the slider has left the follower's end", "try a slower crank, a stiffer or longer follower"),

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from quickreturn.engines import refusals
 from quickreturn.engines.base import SPIN_UP, USUAL, Comparison, Engine, EngineFailure, ModelDescription
 from quickreturn.engines.own.beam_engine import ELIMINATED_SLIDER, description
 from quickreturn.engines.settings import Settings, setting
 from quickreturn.engines.start import Start
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.rigid import rigid_motion
 from quickreturn.reference_model.shapes import ShapeSet, hermite_elements, no_shapes
@@ -114,7 +114,7 @@ class ThesisEngine(Engine[ThesisSettings]):
         """A tenth of the tolerance."""
         return settings.replaced(tolerance=0.1 * settings.tolerance) if settings.tolerance > 1e-11 else None
 
-    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ThesisSettings) -> NDArray[np.float64]:
+    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ThesisSettings) -> Array:
         """See `Engine.natural_frequencies`; those of the cubic elements, two per element."""
         self.check(mechanism)
         if mechanism.follower.is_rigid:

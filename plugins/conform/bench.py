@@ -6,9 +6,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final, Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
 from quickreturn.cases.files.shown import Cell, Printable, Rows
 from quickreturn.engines import progress
 from quickreturn.engines.accurate import check_scene
@@ -21,10 +18,10 @@ from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import REQUIRED, Trajectory, rms
 from quickreturn.plugins.conform.scenes import ALONE, BASE, CLAMPED, DURATION, OUTPUT_STEP, PRESCRIBED, SPUN_UP, UNTIL_BENT
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 
-Array = NDArray[np.float64]
 Status = Literal["passed", "failed", "not judged"]
 
 #: Largest number of names in a sentence.

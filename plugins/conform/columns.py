@@ -20,7 +20,6 @@ from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import REQUIRED, join, rms, scale
 from quickreturn.plugins.conform.bench import (
     DECISIVE,
-    Array,
     Bench,
     Check,
     Fault,
@@ -34,6 +33,7 @@ from quickreturn.plugins.conform.bench import (
     some,
 )
 from quickreturn.plugins.conform.scenes import OUTPUT_STEP, SOFT
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.scene_values import changed, value_at

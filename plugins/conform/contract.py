@@ -25,7 +25,6 @@ from quickreturn.engines.registry import UnknownEngine
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import Trajectory, rms
 from quickreturn.plugins.conform.bench import (
-    Array,
     Bench,
     Check,
     Conformance,
@@ -41,6 +40,7 @@ from quickreturn.plugins.conform.columns import motion
 from quickreturn.plugins.conform.promises import frequencies, ladder
 from quickreturn.plugins.conform.quantities import alone, quantities
 from quickreturn.plugins.conform.rods import rods
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.scene_values import changed
 
 #: Changes of the mild scene, SI: a slack follower whose bent end the slider reaches at the farthest place.

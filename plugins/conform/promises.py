@@ -11,10 +11,11 @@ from quickreturn.engines.error_parts import ESTIMATED
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.simple import SimpleEngine, SimpleSettings
 from quickreturn.engines.trajectory import relative_error, rms
-from quickreturn.plugins.conform.bench import Array, Bench, Check, Fault, Motion, Unjudged, check_by, solution, uncertainty
+from quickreturn.plugins.conform.bench import Bench, Check, Fault, Motion, Unjudged, check_by, solution, uncertainty
 from quickreturn.plugins.conform.columns import examined
 from quickreturn.plugins.conform.quantities import with_everything
 from quickreturn.plugins.conform.scenes import OUTPUT_STEP
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 

@@ -14,7 +14,6 @@ from quickreturn.engines.trajectory import rms
 from quickreturn.plugins.conform.bench import (
     DECISIVE,
     FOLLOWERS,
-    Array,
     Bench,
     Check,
     Fault,
@@ -27,6 +26,7 @@ from quickreturn.plugins.conform.bench import (
 )
 from quickreturn.plugins.conform.columns import UNEXPLAINED, beyond_claims, examined, look_at
 from quickreturn.plugins.conform.scenes import CHANGES, CHANGES_ALONE, FEATURES, FEATURES_ALONE, LONG_CRANK, SPUN_UP, TURNED, Change
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.scene_values import OF_TORQUE, AnyScene, changed

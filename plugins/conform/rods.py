@@ -15,8 +15,9 @@ from scipy.integrate import cumulative_trapezoid
 from quickreturn.engines.base import Refusal
 from quickreturn.engines.rod import RodEngine
 from quickreturn.engines.settings import Settings
-from quickreturn.plugins.conform.bench import TOLERANCE_FACTOR, Array, Bench, Check, Fault, Motion, check_by, solution
+from quickreturn.plugins.conform.bench import TOLERANCE_FACTOR, Bench, Check, Fault, Motion, check_by, solution
 from quickreturn.plugins.conform.scenes import CLAMPED, OUTPUT_STEP
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import FollowerAlone
 from quickreturn.reference_model.scene_values import changed
 

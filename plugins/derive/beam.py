@@ -8,13 +8,11 @@ from typing import Any, Final, NamedTuple
 import casadi as ca
 import numpy as np
 from numpy.polynomial import Polynomial, legendre
-from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 from quickreturn.plugins.derive.system import System, column, turned
-from quickreturn.plugins.derive.units import DescriptionError
+from quickreturn.plugins.derive.units import Array, DescriptionError
 
-Array = NDArray[np.float64]
 #: A quantity along the beam: arc lengths (m, a column) to values, a column.
 Field = Callable[[ca.SX], ca.SX]
 

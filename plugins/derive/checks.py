@@ -6,10 +6,9 @@ from typing import Any, Final
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.plugins.derive.system import System, column
-from quickreturn.plugins.derive.units import DescriptionError, in_si
+from quickreturn.plugins.derive.units import Array, DescriptionError, in_si
 
 #: Other units of mass, length and time, in kg, m and s. No product of their small powers is 1, so a wrong unit always shows.
 _OTHER: Final = (2.3, 1.7, 1.3)
@@ -52,7 +51,7 @@ def check_units(system: System) -> None:
     here = np.array([value for _, value, _ in symbols])
     one, other = (np.array(evaluate(at)).ravel() for at in (here, here * [_factor(unit) for _, _, unit in symbols]))
     ends = np.cumsum([e.numel() for _, e, _ in system.stated])
-    spread: NDArray[np.float64] | None = None
+    spread: Array | None = None
     for k, (what, expression, unit) in enumerate(system.stated):
         rows = slice(ends[k] - expression.numel(), ends[k])
         measured, scaled = other[rows], one[rows] * _factor(unit)
@@ -67,7 +66,7 @@ def check_units(system: System) -> None:
             )
 
 
-def _spread(evaluate: ca.Function, here: NDArray[np.float64]) -> NDArray[np.float64]:
+def _spread(evaluate: ca.Function, here: Array) -> Array:
     """The largest change of each output when the inputs change in their last digits."""
     changed = here[:, None] * (1.0 + np.finfo(float).eps * np.random.default_rng(0).uniform(-1.0, 1.0, (len(here), _SAMPLES)))
     return np.ptp(np.array(evaluate(changed)).reshape(-1, _SAMPLES), axis=1)
@@ -87,7 +86,7 @@ def check_points(system: System) -> None:
             )
 
 
-def check_inertia(system: System, M: NDArray[np.float64], G: NDArray[np.float64]) -> None:
+def check_inertia(system: System, M: Array, G: Array) -> None:
     """Check that the mass matrix (n, n) or the Jacobian of the loops (rows, n) determines every acceleration.
 
     Raises:
@@ -110,7 +109,7 @@ def check_inertia(system: System, M: NDArray[np.float64], G: NDArray[np.float64]
         )
 
 
-def check_condition(system: System, solved: NDArray[np.float64], indices: Sequence[int], tolerance: float) -> None:
+def check_condition(system: System, solved: Array, indices: Sequence[int], tolerance: float) -> None:
     """Check that the matrix from which the accelerations follow leaves them more digits than the integration asks for.
 
     Args:

@@ -8,15 +8,13 @@ from typing import Any, Final
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.plugins.derive.checks import check_points, check_units
 from quickreturn.plugins.derive.equations import Equations, Form
 from quickreturn.plugins.derive.machine_code import MachineCode
 from quickreturn.plugins.derive.system import System, column
-from quickreturn.plugins.derive.units import DescriptionError, in_si
+from quickreturn.plugins.derive.units import Array, DescriptionError, in_si
 
-Array = NDArray[np.float64]
 #: Name of a parameter, a coordinate or a rate -> its value.
 Values = Mapping[str, float]
 #: Half the squared slope of a beam given by its deflection that is told. The end of a cantilever is off by that part: 10.5 % at 10.6 %.

@@ -7,11 +7,8 @@ from typing import Any, Final
 import casadi as ca
 import llvmlite.binding as llvm
 import numpy as np
-from numpy.typing import NDArray
 
-from quickreturn.plugins.derive.units import DescriptionError
-
-Array = NDArray[np.float64]
+from quickreturn.plugins.derive.units import Array, DescriptionError
 
 _COMPARED: Final = "{r}c = fcmp %s double {a}, %s\n{r} = uitofp i1 {r}c to double"
 #: CasADi's operation -> its LLVM instructions, with operands `a` and `b` and result `r`.

@@ -10,9 +10,9 @@ import pandas as pd
 from scipy import integrate
 
 from quickreturn.plugins.derive.checks import check_condition, check_inertia
-from quickreturn.plugins.derive.compiled import Array, CompiledEquations, Values
+from quickreturn.plugins.derive.compiled import CompiledEquations, Values
 from quickreturn.plugins.derive.singular import Watch
-from quickreturn.plugins.derive.units import DescriptionError, in_si
+from quickreturn.plugins.derive.units import Array, DescriptionError, in_si
 
 #: A function that gives the rate of the state at a time, for a state and values of the parameters.
 Rates = Callable[[float, Array, Array], Array]

@@ -5,13 +5,12 @@ from collections.abc import Sequence
 import casadi as ca
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
 from quickreturn.plugins.derive.compiled import Values
 from quickreturn.plugins.derive.machine_code import MachineCode
 from quickreturn.plugins.derive.model import OPENS, Model, grid
 from quickreturn.plugins.derive.system import column
-from quickreturn.plugins.derive.units import DescriptionError, in_si, per
+from quickreturn.plugins.derive.units import Array, DescriptionError, in_si, per
 
 
 def sensitivities(
@@ -60,7 +59,7 @@ def sensitivities(
                 " leave it out, for the loops to give it"
             )
 
-    def rate(time: float, Y: NDArray[np.float64], p: NDArray[np.float64]) -> NDArray[np.float64]:
+    def rate(time: float, Y: Array, p: Array) -> Array:
         return code(np.concatenate([[time], Y[:size], p, Y[size:]]))
 
     sizes = np.append(model.error_sizes(), np.full(begin.size, np.inf))

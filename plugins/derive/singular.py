@@ -7,12 +7,9 @@ There the equations of motion divide by zero, and a step across would lead to an
 from typing import Final, NoReturn
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.plugins.derive.compiled import CompiledEquations
-from quickreturn.plugins.derive.units import DescriptionError, in_si
-
-Array = NDArray[np.float64]
+from quickreturn.plugins.derive.units import Array, DescriptionError, in_si
 
 #: Smallest singular value of the scaled Jacobian that counts as singular. The scales make the largest one about 1. The relative rounding of
 #: an acceleration is 1e-16 over its square, so up to there it is below the usual tolerance.

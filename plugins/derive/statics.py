@@ -7,15 +7,13 @@ from weakref import WeakKeyDictionary
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 from quickreturn.plugins.derive.compiled import Values
 from quickreturn.plugins.derive.model import Model
 from quickreturn.plugins.derive.system import column
-from quickreturn.plugins.derive.units import DescriptionError, in_si
+from quickreturn.plugins.derive.units import Array, DescriptionError, in_si
 
-Array = NDArray[np.float64]
 #: Distance from rest, over the size of a coordinate, from which frequencies are told to be those of no rest.
 AWAY: Final = 0.1
 #: Rounding of forces that cancel, over their sizes.

@@ -8,11 +8,8 @@ from typing import Any, Final, NamedTuple
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
-from quickreturn.plugins.derive.units import DescriptionError, in_si
-
-Array = NDArray[np.float64]
+from quickreturn.plugins.derive.units import Array, DescriptionError, in_si
 
 
 class Table:

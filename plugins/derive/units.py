@@ -3,7 +3,11 @@
 from functools import lru_cache
 from typing import Any
 
+import numpy as np
 import pint
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
 
 _REGISTRY: Any = pint.UnitRegistry()
 _BASE = ("[mass]", "[length]", "[time]")

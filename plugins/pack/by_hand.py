@@ -5,7 +5,8 @@ import numpy as np
 from scipy.integrate import solve_bvp, solve_ivp
 from scipy.optimize import brentq
 
-from quickreturn.plugins.pack.values import BEAD, BRIDGE, DECAY, FOUR_BAR, SAG, Array, Columns, G, times
+from quickreturn.plugins.pack.values import BEAD, BRIDGE, DECAY, FOUR_BAR, SAG, Columns, G, times
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.shapes import clamped_free_modes
 
 

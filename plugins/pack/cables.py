@@ -11,7 +11,8 @@ import numpy as np
 from exudyn import itemInterface as items  # noqa: N813
 from exudyn.beams import GenerateBeamElementsAlongLine
 
-from quickreturn.plugins.pack.values import CRANK, HUB, PENDULUM, Array, Columns, G, times
+from quickreturn.plugins.pack.values import CRANK, HUB, PENDULUM, Columns, G, times
+from quickreturn.reference_model.arrays import Array
 
 #: Axial stiffness (N) of strips that are meant to be inextensible: it lengthens them by less than 1e-5 of themselves.
 STIFF: Final = 1e6

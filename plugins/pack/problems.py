@@ -12,7 +12,8 @@ import numpy as np
 import quickreturn as qr
 from quickreturn.pack.check import PACK, interpolated
 from quickreturn.plugins.pack import by_hand, cables, derived
-from quickreturn.plugins.pack.values import Array, Columns, times
+from quickreturn.plugins.pack.values import Columns, times
+from quickreturn.reference_model.arrays import Array
 
 #: Columns of a formulation over a number of rows after the first.
 Formulation = Callable[[int], Columns]

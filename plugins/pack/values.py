@@ -4,9 +4,9 @@ from types import SimpleNamespace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from quickreturn.reference_model.arrays import Array
+
 #: A table: `time` and the signals, each with one value a row.
 Columns = dict[str, Array]
 

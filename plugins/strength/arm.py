@@ -34,12 +34,12 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import AXIAL, MOMENTS, PLACES, SHAPE
 from quickreturn.reference_model.interpolation import CubicSpline
 from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.tip import slide_friction, tip_force
 
-Array = NDArray[np.float64]
 Numbers = NDArray[np.intp]
 
 TWELFTHS: Final = PLACES + 1

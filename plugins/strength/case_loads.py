@@ -6,7 +6,6 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.cases.comparison.engines import REFERENCE, CaseResult
 from quickreturn.cases.files.case import Case
@@ -15,6 +14,7 @@ from quickreturn.cases.motion.time_scale import TURN, time_scale
 from quickreturn.plugins.strength.loads import Loads, loads_of_run
 from quickreturn.plugins.strength.stress import ArmStress
 from quickreturn.plugins.strength.words import Load, numbers
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.rigid import mean_crank_speed
 from quickreturn.reports.page.content import Content
@@ -111,7 +111,7 @@ def numbers_of_case(case: CaseLoads) -> Iterator[tuple[str, Load]]:
         yield "", Load("frequency_ratio", case.resonance.ratio, "1", case.shift_of_motion / case.resonance.crank)
 
 
-def share_of(order: int, cycle: Mapping[str, NDArray[np.float64]]) -> float | None:
+def share_of(order: int, cycle: Mapping[str, Array]) -> float | None:
     """Part of the tip's varying acceleration (RMS) that the harmonics within `BESIDE` of an order have in a settled turn.
 
     None where the turn has no such column, or fewer than four rows in a period of these harmonics.

@@ -4,9 +4,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-import numpy as np
-from numpy.typing import NDArray
-
 from quickreturn.cases.motion.extremes import ErrorAt, of_column, of_vector
 from quickreturn.cases.motion.number import Number
 from quickreturn.cases.motion.solving import TrajectoryRequest, kept
@@ -14,14 +11,13 @@ from quickreturn.cases.running.job import Job
 from quickreturn.engines.accurate import Result
 from quickreturn.engines.trajectory import Columns
 from quickreturn.plugins.strength.stress import ArmStress, Factor, arm_stress, axial_stress, safety
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.scene_values import what_moves_nothing
 
 if TYPE_CHECKING:  # a trajectory needs none of these, and they take long to load
     from quickreturn.cases.motion.measure import SettledMotion
     from quickreturn.cases.motion.request import Run
-
-Array = NDArray[np.float64]
 
 #: Quantities apart from the stress -> SI unit.
 UNITS: Final = {"pivot_force": "N", "crank_force": "N", "slider_force": "N", "crank_torque": "N m", "tip_deflection": "m"}

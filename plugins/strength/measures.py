@@ -26,7 +26,6 @@ from functools import partial
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.cases.motion.extremes import extremes, of_vector
 from quickreturn.cases.motion.measure import Measure, SettledMotion, number_of
@@ -34,10 +33,9 @@ from quickreturn.cases.motion.number import NO_NUMBER, Number
 from quickreturn.cases.motion.of_turn import OfTurn, Turn, at_shaft, crank_damping, mean_speed
 from quickreturn.plugins.strength.loads import Loads, loads_in
 from quickreturn.plugins.strength.stress import ArmStress
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import AXIAL, COLUMNS
 from quickreturn.reference_model.interpolation import CubicSpline
-
-Array = NDArray[np.float64]
 
 #: Columns whose product is the power of the drive.
 POWER: Final = ("crank_torque", "crank_speed")

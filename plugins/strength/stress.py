@@ -22,7 +22,6 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.cases.motion.extremes import ErrorAt, extremes, of_column, peak_of
 from quickreturn.cases.motion.number import Number
@@ -37,11 +36,10 @@ from quickreturn.plugins.strength.arm import (
     left_out,
     missing,
 )
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import AXIAL
 from quickreturn.reference_model.follower import Follower
 from quickreturn.reference_model.mechanism import Scene
-
-Array = NDArray[np.float64]
 
 #: Largest error of a stress, as a part of it, with which the arm is judged: with tens of percent it is not resolved.
 LARGEST_JUDGED: Final = 0.1

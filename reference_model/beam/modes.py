@@ -14,14 +14,12 @@ from typing import Final
 
 import numpy as np
 from numpy.polynomial import chebyshev, legendre
-from numpy.typing import NDArray
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import compliance_beyond, modes_and_base_shape, supported_modes
 from quickreturn.reference_model.rigid import crank_pace, pivot_torque, rigid_motion, static_deflection
 from quickreturn.reference_model.slider import Slider
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,8 @@ from functools import lru_cache
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.beam.modes import ModeFamily, mode_family, needs_base_shape
 from quickreturn.reference_model.interpolation import integrals_to_points, lagrange_weights, spline_coefficients
 from quickreturn.reference_model.mechanism import Crank, FollowerAlone, Mechanism, PrescribedSpeed
@@ -19,8 +19,6 @@ from quickreturn.reference_model.rigid import crank_pace, rigid_kinetostatics
 from quickreturn.reference_model.shapes import ShapeSet
 from quickreturn.reference_model.slider import Slider
 from quickreturn.reference_model.tip import Tip
-
-Array = NDArray[np.float64]
 
 
 class _Reach(NamedTuple):

@@ -11,8 +11,8 @@ from typing import Final
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.cycles.fixed_points import (
-    Array,
     BranchPoint,
     Family,
     Limits,

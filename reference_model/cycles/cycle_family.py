@@ -9,14 +9,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.cycles.fixed_points import BranchPoint, Image, NotConverged, corrected
 from quickreturn.reference_model.cycles.periodic import periodic_orbit
 from quickreturn.reference_model.cycles.poincare import CycleBroken, PoincareMap
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.scene_values import changed
-
-Array = NDArray[np.float64]
 
 #: Accuracy of the periodic orbit with which a branch begins, relative to the size of its motion.
 SEARCHED: Final = 1e-3

@@ -12,9 +12,8 @@ from typing import Final, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.cycles.periodic import eigenvalues, instability
-
-Array = NDArray[np.float64]
 
 #: Disturbance for derivatives over a quantity's size, of the order of their error; at least `LEAST_DISTURBANCE` times the image's error.
 DISTURBANCE: Final = 1e-4

@@ -14,11 +14,10 @@ from typing import Final, NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.cycles.poincare import CycleBroken, Passage, PoincareMap
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.state import State
-
-Array = NDArray[np.float64]
 
 #: Number of slow modes. A disturbance of any other mode shrinks to a twentieth or less within a cycle of the thesis' runs.
 SLOW_MODES: Final = 2

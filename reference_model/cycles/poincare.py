@@ -14,13 +14,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.entries import STEPS
 from quickreturn.reference_model.integrate import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STEP_TOO_SMALL, TOO_MANY_CALLS
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.motion.layout import state_size
 from quickreturn.reference_model.state import State
-
-Array = NDArray[np.float64]
 
 #: Number of states along a cycle from which their sizes are taken.
 ROWS: Final = 16

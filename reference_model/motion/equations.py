@@ -15,9 +15,7 @@ keeps the loop closed. Where the base's motion is prescribed, time takes the pla
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.compiled_state import state_at
 from quickreturn.reference_model.joint import BASE, ELIMINATED, ROLLERS
 from quickreturn.reference_model.motion.fields import place
@@ -40,8 +38,6 @@ from quickreturn.reference_model.motion.spring import hang
 from quickreturn.reference_model.native.compilation import inlined, inner
 from quickreturn.reference_model.native.pointers import reader
 from quickreturn.reference_model.state import BY_DRIVE, BY_JOINT, DISSIPATED, State
-
-Array = NDArray[np.float64]
 
 parameters_at, workspace_at = reader(BeamParameters), reader(BeamWorkspace, facts=FACTS)
 

@@ -2,16 +2,12 @@
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.motion.layout import BeamParameters, BeamTables, BeamWorkspace
 from quickreturn.reference_model.motion.plane import point
 from quickreturn.reference_model.native.compilation import inlined, inner
 from quickreturn.reference_model.native.simd import load, plus, spread, store
 from quickreturn.reference_model.state import State
-
-Array = NDArray[np.float64]
 
 #: Largest angle (rad) between a tangent and the base at which a state is accepted.
 LARGEST_ANGLE = 2.0 * math.pi

@@ -2,10 +2,8 @@
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
 from quickreturn.reference_model import joint
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.joint import BASE, ELIMINATED, ROLLERS
 from quickreturn.reference_model.motion.layout import (
     BASE_TURN,
@@ -24,8 +22,6 @@ from quickreturn.reference_model.native.compilation import inlined, inner
 from quickreturn.reference_model.native.simd import load, plus, spread, store, total
 from quickreturn.reference_model.state import State
 from quickreturn.reference_model.tip import STILL, tool_force
-
-Array = NDArray[np.float64]
 
 _tool_force, friction_share, joint_force = inner(tool_force), inner(joint.friction_share), inner(joint.joint_force)
 

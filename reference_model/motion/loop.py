@@ -2,9 +2,7 @@
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.joint import CHORDS, ELIMINATED, LEVER
 from quickreturn.reference_model.mechanism import base_motion
 from quickreturn.reference_model.motion.fields import combine, cumulate
@@ -13,8 +11,6 @@ from quickreturn.reference_model.motion.plane import cross, direction, dot, poin
 from quickreturn.reference_model.native.compilation import inlined, inner
 from quickreturn.reference_model.native.simd import load, plus, spread, store
 from quickreturn.reference_model.state import State
-
-Array = NDArray[np.float64]
 
 turn_of_base = inner(base_motion)
 

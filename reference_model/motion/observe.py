@@ -8,9 +8,8 @@ import math
 from typing import Any
 
 import numba
-import numpy as np
-from numpy.typing import NDArray
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import GAUGES, NUMBERS, PLACES, ROW
 from quickreturn.reference_model.compiled_state import state_at
 from quickreturn.reference_model.joint import BASE
@@ -26,8 +25,6 @@ from quickreturn.reference_model.native.compilation import inner
 from quickreturn.reference_model.native.pointers import array_at, call_equations, matrix_at, numbers_at
 from quickreturn.reference_model.native.simd import load, plus, spread, store, total
 from quickreturn.reference_model.state import BY_DRIVE, BY_JOINT, DISSIPATED, State
-
-Array = NDArray[np.float64]
 
 joint_energy = inner(energy_of_joint)
 #: Rows by address, not as numbers seen as records: numba keeps that conversion as the first function that uses it in a process compiles it,

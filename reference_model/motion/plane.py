@@ -2,14 +2,12 @@
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.native.compilation import inner
 
 
 @inner
-def point(row: NDArray[np.float64], j: int, N: int) -> complex:
+def point(row: Array, j: int, N: int) -> complex:
     """The vector at point j of N."""
     return complex(row[j], row[N + j])
 

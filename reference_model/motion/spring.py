@@ -2,15 +2,11 @@
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
 from quickreturn.reference_model import spring
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.motion.layout import BeamParameters, BeamTables, BeamWorkspace
 from quickreturn.reference_model.motion.plane import dot
 from quickreturn.reference_model.native.compilation import inner
-
-Array = NDArray[np.float64]
 
 spring_tension, spring_energy, spring_stiffness = inner(spring.spring_tension), inner(spring.spring_energy), inner(spring.spring_stiffness)
 

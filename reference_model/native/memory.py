@@ -6,7 +6,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from quickreturn.reference_model.arrays import Array
 
 #: Arrays by their number of dimensions, C-contiguous.
 Vector = NDArray[np.float64]

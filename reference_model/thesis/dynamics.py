@@ -6,9 +6,7 @@ multiplier to solve for.
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.native.compilation import inlined, inner
 from quickreturn.reference_model.state import State
 from quickreturn.reference_model.thesis.kinematics import Contact, Slider, centre_line, constraint_row, place_slider, tangent_angle
@@ -25,8 +23,8 @@ def assemble(
     k: Contact,
     q1: float,
     q1_rate: float,
-    eta: NDArray[np.float64],
-    eta_rate: NDArray[np.float64],
+    eta: Array,
+    eta_rate: Array,
     w: ThesisWorkspace,
 ) -> None:
     """To `M` and `Q`: mass matrix and force (applied minus inertia) for (q1, q2, eta), without the constraint (equations 4.1 to 4.13)."""
@@ -65,8 +63,8 @@ def _add_beam(
     q2_rate: float,
     gravity_1: float,
     gravity_2: float,
-    eta: NDArray[np.float64],
-    eta_rate: NDArray[np.float64],
+    eta: Array,
+    eta_rate: Array,
     w: ThesisWorkspace,
 ) -> None:
     """Inertia, gravity, damping and elasticity of the beam (lower triangle of M), equations 4.2 to 4.6."""
@@ -107,9 +105,7 @@ def _add_beam(
 
 
 @inner
-def _add_tip(
-    p: ThesisParameters, q2_rate: float, gravity_1: float, gravity_2: float, eta_rate: NDArray[np.float64], w: ThesisWorkspace
-) -> None:
+def _add_tip(p: ThesisParameters, q2_rate: float, gravity_1: float, gravity_2: float, eta_rate: Array, w: ThesisWorkspace) -> None:
     """Rigid body at the follower's end: its centre and its rotation, equations 4.7 to 4.9."""
     t, n, m, J, e = p.tables, p.n, p.tip_mass, p.tip_inertia, p.tip_offset
     end = len(t.edges) - 1
@@ -149,7 +145,7 @@ def _push_tip(p: ThesisParameters, q1: float, q2: float, w: ThesisWorkspace) -> 
 
 
 @inner
-def _end_fields(p: ThesisParameters, eta_rate: NDArray[np.float64], w: ThesisWorkspace) -> tuple[float, float, float, float, float]:
+def _end_fields(p: ThesisParameters, eta_rate: Array, w: ThesisWorkspace) -> tuple[float, float, float, float, float]:
     """W', its rate, W, its rate and the rate of F at x = L."""
     t = p.tables
     end = len(t.edges) - 1
@@ -204,7 +200,7 @@ def _full_index(free: int) -> int:
 
 
 @inner
-def factorize(A: NDArray[np.float64], size: int) -> bool:
+def factorize(A: Array, size: int) -> bool:
     """Cholesky's factor in place of the lower triangle of A; False if A is not positive definite."""
     for i in range(size):
         for j in range(i + 1):
@@ -221,7 +217,7 @@ def factorize(A: NDArray[np.float64], size: int) -> bool:
 
 
 @inner
-def substitute(A: NDArray[np.float64], b: NDArray[np.float64], size: int) -> None:
+def substitute(A: Array, b: Array, size: int) -> None:
     """Solve L L^T x = b in place of b, with the factor L that `factorize` wrote into A."""
     for i in range(size):
         total = b[i]
@@ -249,7 +245,7 @@ def reactions(p: ThesisParameters, c: Slider, k: Contact, w: ThesisWorkspace) ->
 
 
 @inner
-def dissipation(p: ThesisParameters, q1_rate: float, q2_rate: float, eta_rate: NDArray[np.float64], w: ThesisWorkspace) -> float:
+def dissipation(p: ThesisParameters, q1_rate: float, q2_rate: float, eta_rate: Array, w: ThesisWorkspace) -> float:
     """Power that all dampings dissipate, W, equation 4.12."""
     power = p.crank_damping * q1_rate**2 + p.base_damping * q2_rate**2
     if p.beam_damping > 0.0:

@@ -5,9 +5,7 @@ In the state of the follower alone time takes the place of q1.
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import ROW
 from quickreturn.reference_model.compiled_state import state_of
 from quickreturn.reference_model.mechanism import base_motion as motion_of_base
@@ -17,8 +15,6 @@ from quickreturn.reference_model.thesis.dynamics import assemble, dissipation, e
 from quickreturn.reference_model.thesis.kinematics import Contact, Slider, centre_line
 from quickreturn.reference_model.thesis.observables import observe
 from quickreturn.reference_model.thesis.parameters import ThesisParameters, ThesisWorkspace, parameters_at, workspace_at
-
-Array = NDArray[np.float64]
 
 base_motion = inner(motion_of_base)
 

@@ -3,9 +3,7 @@
 import math
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.native.compilation import inlined, inner
 from quickreturn.reference_model.thesis.parameters import (
     POINTS,
@@ -40,7 +38,7 @@ def tangent_angle(slope: float, exact: bool) -> tuple[float, float, float]:
 
 
 @inner
-def centre_line(t: ThesisTables, exact: bool, eta: NDArray[np.float64], eta_rate: NDArray[np.float64], w: ThesisWorkspace) -> bool:
+def centre_line(t: ThesisTables, exact: bool, eta: Array, eta_rate: Array, w: ThesisWorkspace) -> bool:
     """To `w`: W, W', their rates, F, f_i, the rate of F, and H at all points of a mesh (equations 2.1 to 2.8).
 
     False if the slope |W'| reaches 1 somewhere: no centre line has that slope.
@@ -117,7 +115,7 @@ class Slider(NamedTuple):
 
 
 @inner
-def _shapes_at(p: ThesisParameters, x: float, values: NDArray[np.float64]) -> None:
+def _shapes_at(p: ThesisParameters, x: float, values: Array) -> None:
     """To `values`: phi_i and three derivatives at x, shape (4, n); beyond the follower's ends by the polynomials of the cell there."""
     cell = find_cell(p.shape_edges, x)
     length = p.shape_edges[cell + 1] - p.shape_edges[cell]
@@ -136,7 +134,7 @@ def _shapes_at(p: ThesisParameters, x: float, values: NDArray[np.float64]) -> No
 
 
 @inner
-def place_at(p: ThesisParameters, s: float, eta: NDArray[np.float64], w: ThesisWorkspace) -> tuple[float, float, float, float]:
+def place_at(p: ThesisParameters, s: float, eta: Array, w: ThesisWorkspace) -> tuple[float, float, float, float]:
     """Place (x, W) of arc length s in frame B, and slope W' and g there (needs `centre_line` in `w` first)."""
     cell = find_cell(p.shape_edges, s)
     length = p.shape_edges[cell + 1] - p.shape_edges[cell]
@@ -161,7 +159,7 @@ def place_at(p: ThesisParameters, s: float, eta: NDArray[np.float64], w: ThesisW
 
 
 @inner
-def _locate(p: ThesisParameters, eta: NDArray[np.float64], distance: float, w: ThesisWorkspace) -> float:
+def _locate(p: ThesisParameters, eta: Array, distance: float, w: ThesisWorkspace) -> float:
     """Arc length s at which the centre line passes at `distance` from P (equation 3.2), or nan if there is none near."""
     s = distance
     for step in range(CLOSURE_STEPS):
@@ -182,7 +180,7 @@ def _locate(p: ThesisParameters, eta: NDArray[np.float64], distance: float, w: T
 
 
 @inlined
-def place_slider(p: ThesisParameters, q1: float, eta: NDArray[np.float64], w: ThesisWorkspace) -> Slider:
+def place_slider(p: ThesisParameters, q1: float, eta: Array, w: ThesisWorkspace) -> Slider:
     """Close the loop (equations 1.1 and 3.1 to 3.4): slider place, base angle, fields there (needs `centre_line` in `w` first)."""
     v1 = p.LA * math.cos(q1) - p.d  # P to C in frame N
     v2 = p.LA * math.sin(q1)
@@ -197,7 +195,7 @@ def place_slider(p: ThesisParameters, q1: float, eta: NDArray[np.float64], w: Th
 
 
 @inner
-def slider_at(p: ThesisParameters, s: float, q1: float, q2: float, eta: NDArray[np.float64], w: ThesisWorkspace) -> Slider:
+def slider_at(p: ThesisParameters, s: float, q1: float, q2: float, eta: Array, w: ThesisWorkspace) -> Slider:
     """All fields at the slider's arc length s for given crank and base angle; fills `w.at_s`, `w.f_s` and `w.f_s_slope`."""
     edges = p.tables.edges
     cell = find_cell(edges, s)
@@ -239,7 +237,7 @@ class Contact(NamedTuple):
 
 
 @inner
-def normal_row(p: ThesisParameters, c: Slider, w: ThesisWorkspace, row: NDArray[np.float64]) -> None:
+def normal_row(p: ThesisParameters, c: Slider, w: ThesisWorkspace, row: Array) -> None:
     """To `row`: coefficients of the speeds (q1, q2, eta) in n times the velocity loop (equation 3.6): n . (LA a2, -p_perp, -p_i)."""
     n1, n2 = -c.slope, c.t1
     row[0] = p.LA * (n2 * c.a1 - n1 * c.a2)
@@ -259,7 +257,7 @@ class FieldRates(NamedTuple):
 
 
 @inner
-def field_rates(p: ThesisParameters, eta_rate: NDArray[np.float64], w: ThesisWorkspace) -> FieldRates:
+def field_rates(p: ThesisParameters, eta_rate: Array, w: ThesisWorkspace) -> FieldRates:
     """Rates of W, F, W', F' and W'' at the slider (needs `slider_at` first)."""
     W = F = slope = F_slope = curvature = 0.0
     for i in range(p.n):
@@ -295,9 +293,7 @@ def loop_bias(
 
 
 @inner
-def constraint_row(
-    p: ThesisParameters, c: Slider, q1_rate: float, eta: NDArray[np.float64], eta_rate: NDArray[np.float64], w: ThesisWorkspace
-) -> Contact:
+def constraint_row(p: ThesisParameters, c: Slider, q1_rate: float, eta: Array, eta_rate: Array, w: ThesisWorkspace) -> Contact:
     """Project the velocity loop and its derivative on the normal at the slider; fills `w.C` and, with rotary inertia, `w.D`."""
     square = c.t1 * c.t1 + c.slope * c.slope
     normal_row(p, c, w, w.C)

@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 import scipy  # whose parts are imported when they are used
-from numpy.typing import NDArray
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import ROW, by_column, recorded_columns
 from quickreturn.reference_model.constants import characteristic_frequency, crank_speed_scale
 from quickreturn.reference_model.eigenproblem import eigh
@@ -19,8 +19,6 @@ from quickreturn.reference_model.shapes import ShapeSet
 from quickreturn.reference_model.state import State
 from quickreturn.reference_model.thesis.equations import base_right_hand_side, right_hand_side
 from quickreturn.reference_model.thesis.parameters import POINTS, build_parameters, build_tables, build_workspace, state_size
-
-Array = NDArray[np.float64]
 
 _NO_ROW = np.empty(0)
 
@@ -181,7 +179,7 @@ def integrate_lsoda(
     return Integration(states[:good], status, times[max(good - 1, 0)], int(info["nfe"][last]), 0.0)
 
 
-def shape_frequencies(mechanism: Mechanism, shapes: ShapeSet, support: float, count: int) -> NDArray[np.float64]:
+def shape_frequencies(mechanism: Mechanism, shapes: ShapeSet, support: float, count: int) -> Array:
     """Lowest natural frequencies (Hz) of the straight follower at rest in these shapes, the slider held at arc length `support`.
 
     With the crank held the constraint is q2 = -sum phi_i(s) eta_i / s (equation 7.1), so that a rigid rotation goes with every shape

@@ -3,9 +3,7 @@
 import math
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import PLACES
 from quickreturn.reference_model.native.compilation import inlined, inner
 from quickreturn.reference_model.state import BY_DRIVE, DISSIPATED, State
@@ -76,7 +74,7 @@ def curvature_of_shape(p: ThesisParameters, i: int, x: float) -> float:
 
 
 @inner
-def tip_acceleration(p: ThesisParameters, k: Contact, w: ThesisWorkspace, eta_rate: NDArray[np.float64]) -> float:
+def tip_acceleration(p: ThesisParameters, k: Contact, w: ThesisWorkspace, eta_rate: Array) -> float:
     """Absolute acceleration of x = L along the beam's normal there (equation 6.3)."""
     t, end = p.tables, len(p.tables.edges) - 1
     x, W = p.L - w.F_edges[end], w.end[1]
@@ -133,7 +131,7 @@ def _turning_of_slider(p: ThesisParameters, k: Contact, w: ThesisWorkspace) -> f
 
 
 @inner
-def end_moments(p: ThesisParameters, place: Slider, k: Contact, w: ThesisWorkspace, eta_rate: NDArray[np.float64], row: Any) -> None:
+def end_moments(p: ThesisParameters, place: Slider, k: Contact, w: ThesisWorkspace, eta_rate: Array, row: Any) -> None:
     """To the row: bending moments that base block and tip body require (equations 6.12 and 6.13), without a torque on the base."""
     q2_acceleration, damped = w.acceleration[1], 0.0
     for point in range(len(p.tables.x)):
@@ -147,7 +145,7 @@ def end_moments(p: ThesisParameters, place: Slider, k: Contact, w: ThesisWorkspa
 
 
 @inner
-def _rate_of_momentum(p: ThesisParameters, k: Contact, w: ThesisWorkspace, eta_rate: NDArray[np.float64]) -> tuple[float, float]:
+def _rate_of_momentum(p: ThesisParameters, k: Contact, w: ThesisWorkspace, eta_rate: Array) -> tuple[float, float]:
     """Rate of momentum of beam and tip body in frame B, N: integrals of (4.3) and (4.8), with the accelerations and without gravity."""
     t = p.tables
     total_1 = total_2 = 0.0
@@ -199,9 +197,7 @@ def axial_forces(p: ThesisParameters, place: Slider, k: Contact, w: ThesisWorksp
 
 
 @inner
-def _tip_body(
-    p: ThesisParameters, k: Contact, w: ThesisWorkspace, eta_rate: NDArray[np.float64]
-) -> tuple[float, float, float, float, float]:
+def _tip_body(p: ThesisParameters, k: Contact, w: ThesisWorkspace, eta_rate: Array) -> tuple[float, float, float, float, float]:
     """The tip body in frame B (equations 4.7 and 4.8, with the accelerations and without gravity).
 
     Returns:

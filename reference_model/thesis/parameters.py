@@ -11,8 +11,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import PLACES
 from quickreturn.reference_model.constants import constants
 from quickreturn.reference_model.mechanism import Scene
@@ -67,7 +67,7 @@ def build_tables(shapes: ShapeSet, cells: int) -> ThesisTables:
 
 
 @inner
-def partial_weights(u: float, length: float, out: NDArray[np.float64]) -> None:
+def partial_weights(u: float, length: float, out: Array) -> None:
     """To `out`: weights of a cell's points for the fraction u (0 to 1) of a cell of the given length (m), shape (3, POINTS).
 
     The rows give the integral from the cell's left end to u, the polynomial's value there, and its derivative by arc length. Each is the
@@ -84,7 +84,7 @@ def partial_weights(u: float, length: float, out: NDArray[np.float64]) -> None:
 
 
 @inner
-def find_cell(edges: NDArray[np.float64], x: float) -> int:
+def find_cell(edges: Array, x: float) -> int:
     """Index of the cell that holds x; the first or last one if x lies outside."""
     cell = 0
     while cell < len(edges) - 2 and x >= edges[cell + 1]:
@@ -93,9 +93,7 @@ def find_cell(edges: NDArray[np.float64], x: float) -> int:
 
 
 @inner
-def cumulate(
-    edges: NDArray[np.float64], integrand: NDArray[np.float64], at_points: NDArray[np.float64], at_edges: NDArray[np.float64]
-) -> None:
+def cumulate(edges: Array, integrand: Array, at_points: Array, at_edges: Array) -> None:
     """To `at_points` and `at_edges`: integrals from 0 to every point and every edge of a function given at the points (N,)."""
     at_edges[0] = 0.0
     for c in range(len(edges) - 1):

@@ -7,8 +7,9 @@ from matplotlib.axes import Axes
 
 from quickreturn.cases.files.errors import UnknownColumn, known_column
 from quickreturn.cases.files.shown import METRIC, Units
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import COLUMNS
-from quickreturn.reports.drawing.style import FONT_SIZE, SAMPLE, Array, Drawing, look, new_figure, tidy
+from quickreturn.reports.drawing.style import FONT_SIZE, SAMPLE, Drawing, look, new_figure, tidy
 
 #: Columns that are drawn if the caller names none.
 USUAL: Final = ("tip_deflection", "tip_acceleration", "strain_2", "slider_force")

@@ -14,8 +14,9 @@ from matplotlib.lines import Line2D
 from quickreturn.cases.comparison.engines import CaseResult
 from quickreturn.cases.comparison.tables import GROWING, VIBRATING
 from quickreturn.cases.motion.request import Run
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import COLUMNS
-from quickreturn.reports.drawing.style import FONT_SIZE, SMALL, Array, Drawing, all_looks, legend_above, new_figure, note, tidy
+from quickreturn.reports.drawing.style import FONT_SIZE, SMALL, Drawing, all_looks, legend_above, new_figure, note, tidy
 from quickreturn.reports.words import angle_text
 
 TICKS: Final = (0.0, 0.25, 0.5, 0.75, 1.0)

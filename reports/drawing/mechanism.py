@@ -19,12 +19,13 @@ from scipy.interpolate import CubicSpline
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.errors import UnknownColumn
 from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import PLACES, SHAPE
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.rigid import mean_crank_speed, rigid_motion
 from quickreturn.reference_model.tip import tip_force
 from quickreturn.reports.drawing.curves import WIDE
-from quickreturn.reports.drawing.style import FONT_SIZE, GREY, QUICK, SAMPLE, SMALL, Array, Drawing, look, new_figure
+from quickreturn.reports.drawing.style import FONT_SIZE, GREY, QUICK, SAMPLE, SMALL, Drawing, look, new_figure
 from quickreturn.reports.words import angle_text
 
 LARGEST: Final = 0.15  # of the follower's length, largest magnified deflection

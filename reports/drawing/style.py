@@ -14,11 +14,8 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
-from numpy.typing import NDArray
 
 from quickreturn.reports.line_styles import Look, looks
-
-Array = NDArray[np.float64]
 
 WIDTH: Final = 5.0  # in, 480 CSS pixels
 WHOLE: Final = 32  # 1/32 in is 3 CSS pixels and exact in binary: sizes in pixels are whole numbers

@@ -18,7 +18,6 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.cases.comparison.engines import CaseResult
 from quickreturn.cases.files.case import Case
@@ -27,13 +26,13 @@ from quickreturn.cases.library import ENTRIES
 from quickreturn.cases.library.hard import ORIGINAL
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.request import Run
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import COLUMNS, SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.tip import tip_force
 from quickreturn.reports.line_styles import Look, looks
 from quickreturn.reports.page.content import of_library
 
-Array = NDArray[np.float64]
 #: What is drawn along the arm, in the script's form (`FirstScreen.along_arm`).
 Along = Mapping[str, Any]
 

@@ -1,13 +1,13 @@
 """Energy balance of a trajectory: stored = at the start + work of the drive - dissipated; and engines beside what they claim."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.engines.accurate import Result
 from quickreturn.engines.trajectory import Trajectory, rms, scale
+from quickreturn.reference_model.arrays import Array
 
 
-def from_nowhere(trajectory: Trajectory) -> NDArray[np.float64]:
+def from_nowhere(trajectory: Trajectory) -> Array:
     """Energy that came from nowhere since the start, J, shape (rows,)."""
     stored = trajectory["kinetic_energy"] + trajectory["strain_energy"] + trajectory["gravity_energy"]
     total = stored + trajectory["dissipated_energy"] - trajectory["drive_work"]

@@ -10,13 +10,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.engines.base import Comparison, Engine, EngineFailure, ModelDescription, Refusal, Simulation, SteadyState
 from quickreturn.engines.settings import Settings as AnySettings
 from quickreturn.engines.settings import setting
 from quickreturn.engines.start import Start
 from quickreturn.engines.trajectory import REQUIRED, Trajectory
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism
 
 BEHAVIOURS = ("good", "coarse fails", "unstable", "fails", "raises", "nan", "short", "prints", "hangs", "rigid")
@@ -40,7 +40,7 @@ class FakeSimulation(Simulation):
 
     def advance(self, duration: float, output_step: float) -> Trajectory:
         rows = round(duration / output_step) + 1
-        times: NDArray[np.float64] = np.float64(self.time) + output_step * np.arange(rows, dtype=np.float64)
+        times: Array = np.float64(self.time) + output_step * np.arange(rows, dtype=np.float64)
         self.time += duration
         behaviour, step = self._settings.behaviour, self._settings.step
         trajectory = self._motion(times)
@@ -64,7 +64,7 @@ class FakeSimulation(Simulation):
                 time.sleep(3600.0)
         return trajectory
 
-    def _motion(self, times: NDArray[np.float64]) -> Trajectory:
+    def _motion(self, times: Array) -> Trajectory:
         columns = {name: np.zeros_like(times) for name in REQUIRED}
         wave = np.sin(times) + error_of(self._settings.step) * np.cos(times)
         columns["time"] = times
@@ -111,5 +111,5 @@ class FakeEngine(Engine):
     def steady_state(self, mechanism: Mechanism, start: Start, settings: AnySettings, near: SteadyState | None = None) -> None:
         """None, and that is the engine's own answer: its motion has nothing to do with the periodic state of the mechanism."""
 
-    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: AnySettings) -> NDArray[np.float64]:
+    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: AnySettings) -> Array:
         return np.array([10.0, 20.0, 30.0])[:count] + crank_angle

@@ -14,12 +14,12 @@ from pathlib import Path
 from typing import ClassVar, NoReturn
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.engines.base import ModelDescription
 from quickreturn.engines.settings import Settings as AnySettings
 from quickreturn.engines.start import Start
 from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism
 from tests.engines.fake_engine import FakeEngine, FakeSettings, FakeSimulation
 from tests.engines.fake_package import install
@@ -65,7 +65,7 @@ class Swing(FakeSimulation):
         super().__init__(start, settings)
         self._engine = engine
 
-    def _motion(self, times: NDArray[np.float64]) -> Trajectory:
+    def _motion(self, times: Array) -> Trajectory:
         trajectory = super()._motion(times)
         trajectory.columns["crank_speed"] = np.full_like(times, self._start.crank_speed)
         trajectory.columns["tip_deflection"] = np.sin(trajectory["crank_angle"]) * (1.0 + self._engine.error(self._settings.step))

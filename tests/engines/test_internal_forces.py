@@ -17,6 +17,7 @@ from quickreturn.engines.registry import usable_engine
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import rms, scale
 from quickreturn.plugins.strength.arm import axial_forces, known_moments
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import AXIAL, BEARINGS, BENDING, PLACES, SHAPE
 from quickreturn.reference_model.follower import Follower
 from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, PrescribedSpeed, Scene
@@ -26,7 +27,6 @@ from quickreturn.reference_model.tip import tip_force
 from tests.engines.scenes import run_24
 from tests.reference_model.rigid_loads import rigid_bearing_forces
 
-Array = NDArray[np.float64]
 Columns = Mapping[str, Array]
 
 MAIN = ("reference", "thesis", "exudyn", "mujoco")

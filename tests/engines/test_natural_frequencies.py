@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.one_run import natural_frequencies
@@ -14,6 +13,7 @@ from quickreturn.engines.own.reference import ReferenceEngine
 from quickreturn.engines.registry import MAIN, engine
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from quickreturn.reference_model.natural_modes import FrozenModes, frozen_crank_modes
 from quickreturn.reference_model.rigid import follower_inertia, rigid_motion
@@ -89,7 +89,6 @@ def test_frequencies_that_cannot_be_are_the_engines_failure(answer: Any, wrong: 
         natural_frequencies(Answers(answer), run_24(), 0.0, 2, settings_of("reference"))
 
 
-Array = NDArray[np.float64]
 #: Tip deflection at the start, m. Small: stiffness changes by the square of the slope, 1e-6 here.
 AMPLITUDE = 3e-4
 DURATION = 0.1  # s, two periods of the first mode

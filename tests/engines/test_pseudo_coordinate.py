@@ -4,13 +4,13 @@ import math
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from quickreturn.engines.base import Engine, EngineFailure, Refusal
 from quickreturn.engines.own.thesis import ThesisEngine, ThesisSettings
 from quickreturn.engines.start import standard_start
 from quickreturn.plugins.methods.rivals import fixed_shapes
 from quickreturn.plugins.methods.rivals.fixed_shapes import FixedShapesSettings
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.model import ObservationFailed
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from quickreturn.reference_model.thesis.model import ThesisModel
@@ -63,7 +63,7 @@ def test_a_follower_bent_beyond_description_fails_with_what_was_computed() -> No
 def test_a_row_that_cannot_be_observed_ends_the_run_at_the_one_before(monkeypatch: pytest.MonkeyPatch) -> None:
     observe = ThesisModel.observe
 
-    def up_to_row_4(model: ThesisModel, states: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+    def up_to_row_4(model: ThesisModel, states: Array) -> dict[str, Array]:
         if len(states) > 5:
             raise ObservationFailed(5)
         return observe(model, states)

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from quickreturn.engines.base import SPIN_UP, EngineFailure, Refusal
 from quickreturn.engines.one_run import run_once
@@ -16,6 +15,7 @@ from quickreturn.engines.simple import Model, SimpleEngine, SimpleSettings
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import REQUIRED
 from quickreturn.plugins.conform.scenes import ALONE, BASE, changed
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.scene_values import NAMED
 
@@ -31,11 +31,11 @@ class Toy(Model):
         self.calls, self.held = 0, mechanism.crank.inertia > 1.0
         self.state = np.array([start.crank_angle, AMPLITUDE, start.crank_speed, 0.0])
 
-    def accelerations(self, time: float, coordinates: NDArray[np.float64], speeds: NDArray[np.float64]) -> Any:
+    def accelerations(self, time: float, coordinates: Array, speeds: Array) -> Any:
         self.calls += 1
         return np.array([0.0, -(self.w**2) * (coordinates[1] - (0.0 if self.held else AMPLITUDE / 2.0))])
 
-    def row(self, time: float, coordinates: NDArray[np.float64], speeds: NDArray[np.float64]) -> dict[str, Any]:
+    def row(self, time: float, coordinates: Array, speeds: Array) -> dict[str, Any]:
         known = {"crank_angle": coordinates[0], "crank_speed": speeds[0], "tip_deflection": coordinates[1]}
         return dict.fromkeys((name for name in REQUIRED if name != "time"), 0.1) | known
 

@@ -6,7 +6,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.integrate import quad
 
 from quickreturn.cases.library import load_case
@@ -15,14 +14,13 @@ from quickreturn.engines.one_run import run_once
 from quickreturn.engines.registry import engine, usable_engine
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory, relative_error
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from quickreturn.reference_model.natural_modes import supported_modes
 from quickreturn.reference_model.spring import Spring, spring_energy, spring_stiffness, spring_tension
 from tests.engines.energy import assert_agree
 from tests.engines.scenes import run_24
-
-Array = NDArray[np.float64]
 
 ALL = ("reference", "exudyn", "mujoco", "derived", "fixed-shapes", "multiplier", "stiff-spring", "nodal-load")
 FOUR = ALL[:4]

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicSpline, PchipInterpolator
 from scipy.optimize import fsolve
@@ -20,14 +19,13 @@ from quickreturn.engines.registry import MAIN, engine
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.plugins.methods.rivals import RIVALS
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from quickreturn.reference_model.tip import ForceTable, Tip, tip_force, tool_force
 from tests.engines.energy import assert_agree, from_nowhere
 from tests.engines.scenes import FOLLOWER_ALONE, run_24
 from tests.strategies import tables
-
-Array = NDArray[np.float64]
 
 SHARED = ("fixed-shapes", "multiplier", "stiff-spring", "nodal-load")  # the equations of `reference` with other shapes
 HAVING = ("reference", "exudyn", "mujoco", *SHARED)

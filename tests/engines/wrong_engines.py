@@ -3,12 +3,12 @@
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.engines.base import Comparison, Engine, ModelDescription, Simulation
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import Start
 from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism
 
 
@@ -44,7 +44,7 @@ class Disguised(Engine):
     def prepare(self, mechanism: Mechanism, start: Start, settings: Settings) -> Simulation:
         return self.sound.prepare(mechanism, start, settings)
 
-    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: Settings) -> NDArray[np.float64]:
+    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: Settings) -> Array:
         return self.sound.natural_frequencies(mechanism, crank_angle, count, settings)
 
 

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from quickreturn.engines.base import Engine, EngineFailure
 from quickreturn.engines.exudyn.engine import ExudynEngine
@@ -18,9 +17,8 @@ from quickreturn.engines.settings import Settings
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.plugins.methods.rivals import fixed_shapes
 from quickreturn.plugins.methods.rivals.fixed_shapes import FixedShapesSettings
+from quickreturn.reference_model.arrays import Array
 from tests.strategies import Scene
-
-Array = NDArray[np.float64]
 
 #: Local error of the integration in these tests, relative to fixed sizes of the states.
 TOLERANCE = 1e-9

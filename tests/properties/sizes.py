@@ -7,10 +7,10 @@ from typing import Any
 from quickreturn.cases.files.keys import dimension_of
 from quickreturn.cases.files.units import DIMENSIONS
 from quickreturn.engines.settings import Settings
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.scene_values import scene_of, values_of
-from tests.strategies import Array
 from tests.strategies import Scene as RandomScene
 
 

@@ -16,10 +16,11 @@ from quickreturn.engines.trajectory import Trajectory
 from quickreturn.plugins.methods.rivals import multiplier, stiff_spring
 from quickreturn.plugins.methods.rivals.multiplier import MultiplierSettings
 from quickreturn.plugins.methods.rivals.stiff_spring import StiffSpringSettings
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Base, Mechanism, TorqueDrive
 from quickreturn.reference_model.tip import Tip
 from tests.properties.law import for_all
-from tests.properties.runs import EXUDYN, MUJOCO, REFERENCE, STEPS_ADD_UP, TOLERANCE, Array, Method, sizes
+from tests.properties.runs import EXUDYN, MUJOCO, REFERENCE, STEPS_ADD_UP, TOLERANCE, Method, sizes
 from tests.strategies import Scene, scenes
 
 Part = Callable[[Mechanism, float], Mechanism]

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import strategies as st
 
 from quickreturn.engines.base import EngineFailure
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import PrescribedSpeed
 from tests.properties.law import for_all
 from tests.properties.runs import (
@@ -17,7 +18,6 @@ from tests.properties.runs import (
     REFERENCE,
     STEPS_ADD_UP,
     TOLERANCE,
-    Array,
     Method,
     apart,
     assert_close,

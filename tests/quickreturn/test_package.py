@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from numpy.typing import NDArray
 
 import quickreturn as qr
+from quickreturn.reference_model.arrays import Array
 from tests.engines.fake_engine import FakeEngine
 from tests.engines.fake_package import FAKE_ENGINE, install
 from tests.quickreturn.scene_file import SCENE
@@ -200,7 +200,7 @@ class Compiling(FakeEngine):
         self.work()
         return super().prepare(*arguments)
 
-    def natural_frequencies(self, *arguments: Any) -> NDArray[np.float64]:
+    def natural_frequencies(self, *arguments: Any) -> Array:
         self.work()
         return super().natural_frequencies(*arguments)
 

@@ -47,7 +47,7 @@ print("numba" in sys.modules, folder().exists())
 TYPED = """
 from typing import assert_type
 import numpy as np
-from numpy.typing import NDArray
+from quickreturn.reference_model.arrays import Array
 import quickreturn as qr
 from quickreturn.cases.motion.request import Run
 from quickreturn.engines.accurate import Result
@@ -62,7 +62,7 @@ assert_type(case.mechanism.crank.length, float)
 solution = qr.simulate(case, "thesis", estimate=False)
 assert_type(solution, qr.Solution)
 assert_type(solution.result, Result)
-assert_type(solution.trajectory["tip_x"], NDArray[np.float64])
+assert_type(solution.trajectory["tip_x"], Array)
 assert_type(qr.run(case, "thesis")["thesis-24", "thesis"], Run)
 assert_type([each.name for each in qr.list_cases()], list[str])
 assert_type(qr.conform("thesis").conforms, bool | None)

@@ -1,14 +1,12 @@
 """Loads on the rigid mechanism in closed form (reference_model/DERIVATION.md, section 9): a witness of the models' internal forces."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.rigid import follower_inertia, rigid_kinetostatics, rigid_motion, spring_across, tool_across
 from quickreturn.reference_model.spring import pull_of
 from quickreturn.reference_model.tip import tip_force
-
-Array = NDArray[np.float64]
 
 
 def rigid_bearing_forces(

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from quickreturn.reference_model import columns
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.compiled_state import state_at, state_without_slider_at
 from quickreturn.reference_model.native.compilation import compiled
 from quickreturn.reference_model.state import State
-from tests.reference_model.motion.beam_states import Array
 
 
 def _row() -> columns.Rows:

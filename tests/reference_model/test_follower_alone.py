@@ -4,9 +4,9 @@ import dataclasses
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.mechanism import Base, base_motion
 from quickreturn.reference_model.model import BeamModel
@@ -15,8 +15,6 @@ from quickreturn.reference_model.shapes import hermite_elements
 from quickreturn.reference_model.thesis.model import ThesisModel
 from quickreturn.reference_model.tip import Tip
 from tests.engines.scenes import FOLLOWER_ALONE as SCENE
-
-Array = NDArray[np.float64]
 
 BARE = dataclasses.replace(SCENE, base=Base(), tip=None, gravity=(0.0, 0.0), follower=dataclasses.replace(SCENE.follower, damping=0.0))
 

@@ -13,13 +13,13 @@ from scipy.optimize import brentq, fsolve
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.integrate import REACHED_END
 from quickreturn.reference_model.joint import ROLLERS, Rollers, SliderConstraint, joint_energy, joint_force, rollers
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.slider import CONTACT_STIFFNESS, Slider
 from tests.engines.scenes import run_24
-from tests.reference_model.motion.beam_runs import Array
 from tests.reference_model.motion.beam_states import rates
 
 #: Weight (m/s²) across a follower that lies along n1.

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Base, Mechanism, TorqueDrive
 from quickreturn.reference_model.rigid import mean_crank_speed
 from quickreturn.reference_model.slider import Slider
@@ -16,7 +16,6 @@ from quickreturn.reference_model.spring import Spring
 from quickreturn.reference_model.tip import Tip
 from tests.engines.scenes import run_24
 
-Array = NDArray[np.float64]
 #: Largest relative difference. Friction changes its sign within a part of the spacing of the angles, which moves the mean by up to 3e-6.
 TOLERANCE = 1e-5
 #: Turns after which a machine must repeat itself, and steps in a turn.

@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from quickreturn.reference_model.rigid import rigid_kinetostatics, rigid_motion
 from quickreturn.reference_model.slider import Slider
 from tests.engines.scenes import run_24, with_parts
-from tests.reference_model.motion.beam_runs import Array, run
+from tests.reference_model.motion.beam_runs import run
 from tests.reference_model.thesis.thesis_runs import rigid
 
 STIFF = {"bending_stiffness": math.inf}

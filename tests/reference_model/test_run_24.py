@@ -5,13 +5,14 @@ import math
 import numpy as np
 import pytest
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.shapes import clamped_free_modes
 from quickreturn.reference_model.thesis.model import ThesisModel
 from tests.engines.scenes import INCH, run_24
 from tests.reference_model.motion import beam_runs
-from tests.reference_model.motion.beam_runs import Array, run
+from tests.reference_model.motion.beam_runs import run
 from tests.reference_model.thesis.thesis_runs import error, thesis
 
 

@@ -8,12 +8,13 @@ from typing import Final
 import numpy as np
 import pytest
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.joint import CHORDS, CLOSED, LEVER, MULTIPLIER, SliderConstraint
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.slider import Slider
 from quickreturn.reference_model.thesis.model import shape_frequencies
 from tests.engines.scenes import run_24
-from tests.reference_model.motion.beam_runs import Array, balance, run, with_fine_tables
+from tests.reference_model.motion.beam_runs import balance, run, with_fine_tables
 from tests.reference_model.motion.beam_states import COMPLIANT, EVERYTHING, ON_ELEMENTS, elements_of, modes_of, rates
 
 STABILIZED: Final = SliderConstraint(kind=MULTIPLIER, stabilization=100.0)

@@ -6,18 +6,16 @@ from itertools import combinations
 import numpy as np
 import pytest
 from matplotlib.colors import to_hex
-from numpy.typing import NDArray
 
 from quickreturn.engines.registry import MAIN, own_engines
 from quickreturn.plugins.methods.rivals import RIVALS
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reports.drawing.style import all_looks
 from quickreturn.reports.line_styles import ENGINES, SIGNALS, looks
 from quickreturn.reports.page.render import KINDS, environment
 
 STYLE = environment().get_template("style.css").render(engines=(), looks={})
 LIGHT, DARK = (dict(re.findall(r"--([\w-]+): (#\w+)", block)) for block in re.findall(r"{([^}]*--ground[^}]*)}", STYLE)[:2])
-
-Array = NDArray[np.float64]
 
 #: What eyes without one kind of cones make of linear RGB: Machado, Oliveira and Fernandes (2009), severity 1.
 EYES = {

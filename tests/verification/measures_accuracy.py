@@ -5,12 +5,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from quickreturn.cases.motion.first_mode import FirstMode, fit_first_modes
 from quickreturn.cases.motion.number import consensus
 from quickreturn.cases.motion.time_scale import TimeScale, channel_half, half_cycle, time_scale
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive
 from tests.engines.scenes import INCH, POUND_FORCE, POUND_MASS, run_24
 from tests.verification.synthetic import SyntheticHalf, synthetic_half
@@ -108,7 +108,7 @@ def first_modes_of(scale: TimeScale, drawn: SyntheticHalf) -> dict[str, FirstMod
     return fit_first_modes([channels])[0]
 
 
-def _against_claims(errors: NDArray[np.float64], claimed: NDArray[np.float64]) -> tuple[float, float]:
+def _against_claims(errors: Array, claimed: Array) -> tuple[float, float]:
     """Root mean square of z, and the share within two."""
     z = errors / claimed
     return float(np.sqrt(np.mean(z**2))), float(np.mean(np.abs(z) <= 2.0))

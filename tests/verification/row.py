@@ -7,7 +7,8 @@ from typing import Any, Final
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
+
+from quickreturn.reference_model.arrays import Array
 
 #: Columns of a table, in its order.
 COLUMNS: Final = ("scene", "engine", "quantity", "value", "expected", "difference", "tolerance", "reason", "passed")
@@ -37,7 +38,7 @@ class Row:
         return abs(self.difference) <= self.tolerance
 
 
-def smoothed(values: NDArray[np.float64], rows: int) -> NDArray[np.float64]:
+def smoothed(values: Array, rows: int) -> Array:
     """Running mean weighted with sin^2 over `rows` rows, shape (n - rows + 1,): vibrations with four or more periods in it vanish."""
     weights = np.sin(np.pi * (np.arange(rows) + 0.5) / rows) ** 2
     return np.convolve(values, weights / weights.sum(), "valid")

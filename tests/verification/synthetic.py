@@ -9,12 +9,10 @@ off by up to 6 % at the ends and an envelope that slopes by up to 50 %. Second a
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import cumulative_simpson
 
 from quickreturn.cases.motion.time_scale import TimeScale
-
-Array = NDArray[np.float64]
+from quickreturn.reference_model.arrays import Array
 
 SAMPLES = 481  # per half cycle, before the measures resample it
 NOISE_LIMIT = 200.0  # Hz

@@ -12,7 +12,6 @@ from typing import Final
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from quickreturn.cases.library import library_case
@@ -28,13 +27,12 @@ from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import Columns, rms
 from quickreturn.plugins.strength.loads import loads_of
 from quickreturn.plugins.studies.sweep.rows import MeasureRequest, row
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import AXIAL
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
 from quickreturn.reference_model.scene_values import changed
 from tests.engines.scenes import run_24
 from tests.witnesses import WITNESSES, Witness
-
-Array = NDArray[np.float64]
 
 DURATION: Final = 0.5  # s
 #: Part of a declared difference that the test must find, or the declaration is out of date.

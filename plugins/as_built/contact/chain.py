@@ -14,14 +14,12 @@ from typing import Any, Final
 import mujoco
 import numpy as np
 import scipy  # whose linear algebra is imported when it is used
-from numpy.typing import NDArray
 
 from quickreturn.engines.mujoco.chain import add_body, add_hinge
 from quickreturn.engines.units import Units
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.eigenproblem import eigh
 from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive
-
-Array = NDArray[np.float64]
 
 #: Radius of the pin over the follower's length, and half the thickness of the slot's walls over that.
 PIN: Final = 0.008
@@ -109,7 +107,7 @@ def longest_stable_step(scene: Mechanism, links: int, armature: float) -> float:
     return float(2.0 / np.sqrt(eigh(stiffness, mass)[0][-1]))
 
 
-def natural_frequencies(mechanism: Mechanism, crank_angle: float, count: int, links: int) -> NDArray[np.float64]:
+def natural_frequencies(mechanism: Mechanism, crank_angle: float, count: int, links: int) -> Array:
     """Lowest `count` frequencies, Hz; without armature, which serves the time integration only."""
     units = Units.of(mechanism)
     scene = units.scene(mechanism)

@@ -3,14 +3,12 @@
 from collections.abc import Mapping
 from typing import Final
 
-import numpy as np
-from numpy.typing import NDArray
-
 from quickreturn.engines import refusals
 from quickreturn.engines.base import Comparison, Engine, ModelDescription, Refusal, Simulation
 from quickreturn.engines.mujoco import installation
 from quickreturn.engines.start import Start
 from quickreturn.plugins.as_built.contact.settings import LADDER, ContactSettings
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 
 #: Links of the coarser chain for the estimate, over those of the chain, and the order of the error in them (LADDERS.md, section 6).
@@ -87,7 +85,7 @@ class MujocoContactEngine(Engine[ContactSettings]):
 
         return ContactSimulation(scene, start, settings)
 
-    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ContactSettings) -> NDArray[np.float64]:
+    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: ContactSettings) -> Array:
         """Those of the straight chain on a support without give: the contact has no stiffness in N/m, only a time constant."""
         self.check(mechanism)
         from quickreturn.plugins.as_built.contact.chain import natural_frequencies

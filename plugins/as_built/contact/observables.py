@@ -6,12 +6,10 @@ from typing import Any, Self
 import mujoco
 import numpy as np
 import scipy  # whose interpolation is imported when it is used
-from numpy.typing import NDArray
 
 from quickreturn.engines.trajectory import Columns
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

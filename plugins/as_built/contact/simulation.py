@@ -8,7 +8,6 @@ from typing import Final
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.engines.base import EngineFailure, Simulation
 from quickreturn.engines.start import Start
@@ -19,8 +18,6 @@ from quickreturn.plugins.as_built.contact import chain
 from quickreturn.plugins.as_built.contact.observables import Row, columns
 from quickreturn.plugins.as_built.contact.settings import ContactSettings
 from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive
-
-Array = NDArray[np.float64]
 
 #: Warnings after which the numbers are no motion any more.
 _BROKEN: Final = (mujoco.mjtWarning.mjWARN_BADQACC, mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL)

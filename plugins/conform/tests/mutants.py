@@ -7,17 +7,16 @@ from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.engines.base import AnyEngine, Comparison, EngineFailure, Simulation
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import Start
 from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from quickreturn.reference_model.scene_values import changed, value_at
 
-Array = NDArray[np.float64]
 Columns = dict[str, Array]
 
 SOUND = ReferenceEngine()

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import eigh, expm
 
 from quickreturn.engines.base import Comparison, Engine, ModelDescription, Refusal, Simulation
@@ -14,9 +13,9 @@ from quickreturn.engines.rod import Rod, RodEngine
 from quickreturn.engines.settings import Settings, setting
 from quickreturn.engines.trajectory import FollowerTrajectory
 from quickreturn.plugins.conform.scenes import CLAMPED as SCENE
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import FollowerAlone, Scene
 
-Array = NDArray[np.float64]
 _SIZES: Final = "rod: sags and frequencies"
 
 

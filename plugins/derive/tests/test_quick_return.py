@@ -4,12 +4,12 @@ from typing import Final
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from quickreturn.derive import Model, natural_frequencies
 from quickreturn.plugins.derive.tests.descriptions import described
 from quickreturn.plugins.derive.tests.reference.oracle_scene import draw_case, mechanism_of
 from quickreturn.plugins.derive.units import in_si
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.shapes import hermite_elements
 from quickreturn.reference_model.thesis.model import ThesisModel
 
@@ -28,7 +28,7 @@ def accelerations(model: Model, start: dict[str, float], values: dict[str, float
     return dict(model.observe(np.zeros(1), y[None], p).iloc[0]) | {f"{name}_rate": value for name, value in zip(speeds, rate, strict=False)}
 
 
-def assert_same(found: list[float], expected: NDArray[np.float64] | list[float]) -> None:
+def assert_same(found: list[float], expected: Array | list[float]) -> None:
     np.testing.assert_allclose(found, expected, rtol=0, atol=SAME * float(np.max(np.abs(expected))))
 
 

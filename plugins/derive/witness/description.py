@@ -11,7 +11,6 @@ from typing import Any, Final, NamedTuple
 import casadi as ca
 import numpy as np
 from numpy.polynomial import legendre
-from numpy.typing import NDArray
 
 from quickreturn.plugins.derive.beam import Beam
 from quickreturn.plugins.derive.system import System, column, turned, vector
@@ -19,8 +18,6 @@ from quickreturn.plugins.derive.witness.tool import ForceRows, share_of_turn
 from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive
 from quickreturn.reference_model.motion.layout import BeamTables, ShapeRow
 from quickreturn.reference_model.spring import Spring
-
-Array = NDArray[np.float64]
 
 #: A function of a system with its follower that gives place, angle from n1 (rad) and curvature (1/m) of the slider's line at the slider.
 Line = Callable[[System, "Follower"], tuple[ca.SX, ca.SX, ca.SX]]

@@ -9,9 +9,6 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Final
 
-import numpy as np
-from numpy.typing import NDArray
-
 from quickreturn.engines import refusals
 from quickreturn.engines.base import HELD, SPRING, TOOL, USUAL, Comparison, Engine, ModelDescription, Refusal, installed
 from quickreturn.engines.ladder import Ladder, fitted
@@ -19,12 +16,11 @@ from quickreturn.engines.own.beam_engine import ELIMINATED_SLIDER, description
 from quickreturn.engines.own.reference import ALIKE_WITHIN, COMPARED, MODES_WITH_ORDER, RATIO, SLOWEST_RATIO
 from quickreturn.engines.settings import Settings, setting
 from quickreturn.engines.start import Start
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 
 if TYPE_CHECKING:
     from quickreturn.plugins.derive.witness.simulation import DerivedSimulation
-
-Array = NDArray[np.float64]
 
 #: Largest number of modes. The code has no loops: it grows with the square of the points and with the modes, to 74,000 instructions for 11.
 MOST_MODES: Final = 11

@@ -12,11 +12,11 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import AXIAL, BENDING, PLACES, SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.rigid import follower_angle
 
-Array = NDArray[np.float64]
 Vectors = NDArray[np.complex128]
 
 #: Outputs of the description that become columns of a trajectory unchanged.

@@ -5,7 +5,6 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from quickreturn.engines.base import EngineFailure, Simulation
@@ -19,14 +18,13 @@ from quickreturn.plugins.derive.units import DescriptionError
 from quickreturn.plugins.derive.witness.description import constants, quick_return
 from quickreturn.plugins.derive.witness.recovery import columns
 from quickreturn.plugins.derive.witness.tool import ForceRows
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.beam.tables import following
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.motion.layout import BeamTables
 from quickreturn.reference_model.rigid import crank_pace, deflection_scale, rigid_motion, stiffness_across
 from quickreturn.reference_model.spring import Spring
 from quickreturn.reference_model.tip import Tip
-
-Array = NDArray[np.float64]
 
 #: Scale of the error of the slider's place, relative to the follower's length, and of a joint's gap, relative to the deflection.
 SMALL: Final = 0.01

@@ -5,13 +5,11 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
 from quickreturn.plugins.derive.system import Table
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.tip import ROUNDING, ForceTable
-
-Array = NDArray[np.float64]
 
 
 class ForceRows(Table):

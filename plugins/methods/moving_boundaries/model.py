@@ -3,11 +3,11 @@
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.plugins.methods.moving_boundaries import tables as t
 from quickreturn.plugins.methods.moving_boundaries.equations import MovingBoundariesParameters, MovingBoundariesWorkspace
 from quickreturn.plugins.methods.moving_boundaries.observables import observables
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.constants import characteristic_frequency, constants, crank_speed_scale, pace
 from quickreturn.reference_model.integrate import Equations, Integration, dop853
 from quickreturn.reference_model.mechanism import Mechanism
@@ -15,9 +15,6 @@ from quickreturn.reference_model.native.memory import Placed
 from quickreturn.reference_model.native.objects import Entry
 from quickreturn.reference_model.rigid import deflection_scale, follower_inertia, rigid_motion
 from quickreturn.reference_model.state import State
-
-Array = NDArray[np.float64]
-
 
 #: The equations of motion.
 KERNEL: Final = Entry("quickreturn.plugins.methods.moving_boundaries.equations:kernel", 4 * "i")

@@ -8,13 +8,12 @@ from numpy.typing import NDArray
 
 from quickreturn.plugins.methods.moving_boundaries import tables as t
 from quickreturn.plugins.methods.moving_boundaries.equations import ACCELERATION, FORCE, KINETIC, RATE, STRAIN, TORQUE, VALUE
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import BENDING, PLACES, SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.rigid import RigidMotion, follower_inertia, rigid_motion
 from quickreturn.reference_model.state import BY_DRIVE, DISSIPATED, State
 from quickreturn.reference_model.tip import tip_force
-
-Array = NDArray[np.float64]
 
 _RATES: Final = [VALUE, RATE, ACCELERATION]
 

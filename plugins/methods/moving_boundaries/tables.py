@@ -8,14 +8,12 @@ from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.typing import NDArray
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.beam.modes import ModeFamily
 from quickreturn.reference_model.beam.tables import following
 from quickreturn.reference_model.interpolation import integrals_to_points
 from quickreturn.reference_model.mechanism import Mechanism
-
-Array = NDArray[np.float64]
 
 #: Vectors in a row, in this order: omega_i^2, b, a, W(L), W'(0), W'(L) and d (equations 2.3, 2.5 and 2.6).
 SQUARES, TURNING, WEIGHT, END, BASE, END_SLOPE, DRAG_LEVER = range(7)

@@ -4,12 +4,12 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.engines.base import SPIN_UP, TOOL, USUAL
 from quickreturn.engines.settings import setting
 from quickreturn.plugins.methods.rivals.rival import Rival, RivalEngine
 from quickreturn.plugins.methods.rivals.staying_shapes import ShapeSettings, compared_shapes, ladder_of, shapes_of
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.rigid import rigid_motion
 from quickreturn.reference_model.shapes import hermite_between
@@ -22,7 +22,7 @@ class FixedShapesSettings(ShapeSettings):
     shapes: int = setting(16, "number of shapes (with Hermite elements: two per element)", low=1, high=64)
 
 
-def converged_frequencies(mechanism: Mechanism, crank_angle: float, count: int) -> NDArray[np.float64]:
+def converged_frequencies(mechanism: Mechanism, crank_angle: float, count: int) -> Array:
     """Frequencies of Hermite elements with a node at the slider, doubled until no frequency changes by more than 1e-6 of itself."""
     from quickreturn.reference_model.thesis.model import shape_frequencies
 
@@ -37,7 +37,7 @@ def converged_frequencies(mechanism: Mechanism, crank_angle: float, count: int) 
         elements, last = 2 * elements, frequencies
 
 
-def _nodes(length: float, support: float, elements: int) -> NDArray[np.float64]:
+def _nodes(length: float, support: float, elements: int) -> Array:
     """Nodes (m) of about `elements` elements, one of them at the support, where the moment has a kink."""
     inboard = max(1, round(elements * support / length))
     outboard = max(1, elements - inboard) if length - support > 1e-6 * length else 0

@@ -4,12 +4,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
-import numpy as np
-from numpy.typing import NDArray
-
 from quickreturn.engines.base import USUAL, Comparison
 from quickreturn.engines.own.beam_engine import EXPLICIT, BeamEngine, BeamSettings, integrator, tolerance
 from quickreturn.engines.settings import setting
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 
@@ -83,9 +81,7 @@ class MovingBoundariesEngine(BeamEngine[MovingBoundariesSettings]):
         """A tenth of the tolerance."""
         return settings.replaced(tolerance=0.1 * settings.tolerance) if settings.tolerance > 10.0 * TIGHTEST else None
 
-    def natural_frequencies(
-        self, mechanism: Mechanism, crank_angle: float, count: int, settings: MovingBoundariesSettings
-    ) -> NDArray[np.float64]:
+    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: MovingBoundariesSettings) -> Array:
         """Converged: the shapes are the natural modes with the crank held."""
         self.check(mechanism)
         return frozen_crank_modes(mechanism, crank_angle, min(count, settings.modes)).frequencies

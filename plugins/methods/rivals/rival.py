@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Generic, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.engines import refusals
 from quickreturn.engines.base import HELD, TOOL, USUAL, Comparison, EstimateOf
@@ -19,6 +18,7 @@ from quickreturn.engines.own.beam_engine import (
     compared_integration,
     compared_slowing,
 )
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.joint import CLOSED, SliderConstraint
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.shapes import ShapeSet, no_shapes
@@ -58,7 +58,7 @@ class Rival(Generic[S]):
     joint_line: Callable[[S, Scene], str] | None = None  # the slider's joint in one line
     scaled: Callable[[S, Mechanism], S] | None = None  # a rung's settings for a mechanism
     finer: Callable[[S, Mapping[str, float]], S | None] | None = None  # see `Engine.finer`, if the ladder's next rung is not enough
-    natural_frequencies: Callable[[Mechanism, float, int], NDArray[np.float64]] | None = None  # if they are not the model's
+    natural_frequencies: Callable[[Mechanism, float, int], Array] | None = None  # if they are not the model's
 
 
 class RivalEngine(BeamEngine[S]):
@@ -102,7 +102,7 @@ class RivalEngine(BeamEngine[S]):
     def finer(self, settings: S, excess: Mapping[str, float], output_step: float) -> S | None:
         return finer_by_parts(settings, excess, self.rival.finer or self.rival.ladder.finer)
 
-    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: S) -> NDArray[np.float64]:
+    def natural_frequencies(self, mechanism: Mechanism, crank_angle: float, count: int, settings: S) -> Array:
         if self.rival.natural_frequencies is None:
             return super().natural_frequencies(mechanism, crank_angle, count, settings)
         self.check(mechanism)

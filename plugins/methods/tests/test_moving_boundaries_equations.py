@@ -12,12 +12,13 @@ from scipy.integrate import trapezoid
 from quickreturn.plugins.methods.moving_boundaries import tables as t
 from quickreturn.plugins.methods.moving_boundaries.equations import FORCE, KINETIC, TORQUE
 from quickreturn.plugins.methods.moving_boundaries.model import MovingBoundariesModel
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.natural_modes import supported_modes
 from quickreturn.reference_model.rigid import rigid_kinetostatics, rigid_motion
 from tests.engines.scenes import run_24
-from tests.reference_model.motion.beam_runs import Array, balance, run
+from tests.reference_model.motion.beam_runs import balance, run
 from tests.reference_model.motion.moving_support import monodromy
 from tests.reference_model.multipliers import linear_multipliers
 

@@ -8,7 +8,6 @@ from typing import Final
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.special import gamma
 
 from quickreturn.cases.files.case import written_document
@@ -24,6 +23,7 @@ from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
 from quickreturn.plugins.strength.measures import EXPONENTS, HARMONICS, equivalent_load
 from quickreturn.plugins.studies.sweep.rows import MeasureRequest, row
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Base, Mechanism, PrescribedSpeed, TorqueDrive
 from quickreturn.reference_model.scene_values import changed
 from quickreturn.reference_model.tip import Tip
@@ -31,7 +31,6 @@ from tests.engines.scenes import run_24
 from tests.verification.random_machines import sensible_machines
 from tests.witnesses import WITNESSES
 
-Array = NDArray[np.float64]
 SPEED: Final = 12.0  # rad/s
 WANTED: Final = 0.02
 NAMES: Final = (

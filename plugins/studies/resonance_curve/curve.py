@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.cases.files.errors import CaseError, as_written, nearest_or_all
 from quickreturn.cases.files.keys import PATHS, si_value, unit_given
@@ -19,6 +18,7 @@ from quickreturn.cases.motion.request import Run
 from quickreturn.cases.motion.resonance import ANGLES
 from quickreturn.cases.motion.stability import UNSTABLE
 from quickreturn.plugins.studies.sweep.grid import OF_START
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.cycles.continuation import between
 from quickreturn.reference_model.cycles.cycle_family import CycleFamily
 from quickreturn.reference_model.cycles.fixed_points import BranchPoint, NotConverged
@@ -57,8 +57,6 @@ def range_of(key: str, text: str, option: str) -> Range:
         raise CaseError(option, key, as_written(text), "is no range to follow", f"give a smaller and a larger value of one sign, {example}")
     return Range(key, low, high, *unit_given(key, ends))
 
-
-Array = NDArray[np.float64]
 
 #: Error of a multiplier: differences of cycles leave about 1e-4 of the largest derivatives.
 MULTIPLIER_TOLERANCE: Final = 1e-3

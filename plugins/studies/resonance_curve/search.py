@@ -8,7 +8,6 @@ from functools import partial
 from typing import Final, Protocol, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.errors import CaseError, nearest_or_all
@@ -33,6 +32,7 @@ from quickreturn.plugins.studies.resonance_curve.curve import (
     numbers_of,
     topped,
 )
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import OBSERVED
 from quickreturn.reference_model.cycles.continuation import FIRST_STEP, MOST_POINTS, Branch, Ending, Stretch, enough, stretch, turned
 from quickreturn.reference_model.cycles.cycle_family import CycleFamily
@@ -41,7 +41,6 @@ from quickreturn.reference_model.cycles.periodic import NoPeriodicOrbit
 from quickreturn.reference_model.cycles.poincare import CycleBroken
 from quickreturn.reference_model.mechanism import Mechanism
 
-Array = NDArray[np.float64]
 T = TypeVar("T")
 
 

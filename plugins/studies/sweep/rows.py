@@ -12,7 +12,6 @@ from dataclasses import dataclass, field, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.cases.motion.catalogue import measure
 from quickreturn.cases.motion.cycle import measure_cycle
@@ -33,9 +32,8 @@ from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.own.simulation import FoundOrbit
 from quickreturn.engines.registry import engine as engine_of_name
 from quickreturn.engines.trajectory import Columns
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism
-
-Array = NDArray[np.float64]
 
 #: Statuses of points besides those of runs and of `cases.motion.stability`.
 LEFT: Final = "slider left"

@@ -14,6 +14,7 @@ from quickreturn.cases.running.job import Job, Outcome
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.plugins.studies.sweep.grid import Grid, job
 from quickreturn.plugins.studies.sweep.rows import MeasureRequest, Row
+from quickreturn.reference_model.arrays import Array
 
 
 @dataclass(frozen=True)
@@ -22,8 +23,8 @@ class Study:
 
     grid: Grid  # the case and its axes
     asked: MeasureRequest  # what was measured
-    values: NDArray[np.float64]  # values of each measure, shape (*grid, measures); nan if unavailable
-    errors: NDArray[np.float64]  # errors of the values by the engine's own estimate, likewise
+    values: Array  # values of each measure, shape (*grid, measures); nan if unavailable
+    errors: Array  # errors of the values by the engine's own estimate, likewise
     statuses: NDArray[np.object_]  # status of each point, shape (*grid,)
     sentences: NDArray[np.object_]  # reason of each status, "" if the point settled
 

@@ -16,8 +16,9 @@ from quickreturn.cases.running.store import Pieces, encoded
 from quickreturn.plugins.studies.around import Around
 from quickreturn.plugins.studies.resonance_curve.curve import MULTIPLIER_TOLERANCE, Range, SpecialPoint, range_of
 from quickreturn.plugins.studies.resonance_curve.search import _followed, job
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.cycles.cycle_family import CycleFamily
-from quickreturn.reference_model.cycles.fixed_points import Array, Image
+from quickreturn.reference_model.cycles.fixed_points import Image
 from quickreturn.reference_model.cycles.poincare import CycleBroken
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reports.drawing.style import picture

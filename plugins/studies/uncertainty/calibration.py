@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import stats
 from scipy.optimize import least_squares
 
@@ -40,9 +39,8 @@ from quickreturn.plugins.studies.uncertainty.fit import (
 )
 from quickreturn.plugins.studies.uncertainty.parameters import Parameter, changes, distribution
 from quickreturn.plugins.studies.uncertainty.table_model import TableModel
+from quickreturn.reference_model.arrays import Array
 from quickreturn.table_comparison import AnyTable, as_table
-
-Array = NDArray[np.float64]
 
 FREE: Final = Argument("free")
 #: Accuracy of the final simulations. The search and the derivatives use the engine's default.

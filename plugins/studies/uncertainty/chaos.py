@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from quickreturn.plugins.studies.uncertainty.parameters import Distribution
-
-Array = NDArray[np.float64]
+from quickreturn.reference_model.arrays import Array
 
 SEED: Final = 1  # of the random numbers
 DRAWN: Final = 200  # number of resamplings

@@ -11,13 +11,13 @@ from dataclasses import dataclass, fields
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.document import LONGEST_NAME
 from quickreturn.cases.files.keys import text_of, unit_given
 from quickreturn.cases.files.shown import Cell, Printable, Rows
 from quickreturn.plugins.studies.uncertainty.parameters import Parameter, changes
+from quickreturn.reference_model.arrays import Array
 
 PROBABILITY: Final = 0.95
 #: Smooth part of the squared residuals above which a note is printed.
@@ -132,8 +132,6 @@ class Fit(Printable):
                 " allow for it only as far as no parameter makes up for it"
             )
 
-
-Array = NDArray[np.float64]
 
 #: A direction counts as not determined if its standard error is larger than this part of the parameters or of their ranges ...
 LOOSE: Final = 0.1

@@ -7,18 +7,16 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import stats
 from scipy.special import eval_hermitenorm, eval_legendre, factorial
 
 from quickreturn.cases.files.errors import CaseError, as_written, nearest_or_all
 from quickreturn.cases.files.keys import PATHS, PLUS_MINUS, si_value, toleranced
 from quickreturn.cases.files.units import QuantityError, plain_number
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.quantities import Quantity
 from quickreturn.reference_model.scene_values import Value, values_of
-
-Array = NDArray[np.float64]
 
 _KEY: Final = re.compile(r"([a-z_.]+)(?:\[([1-9])\])?")
 _EXAMPLES: Final = (

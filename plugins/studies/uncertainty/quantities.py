@@ -6,7 +6,6 @@ from itertools import combinations
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.cases.comparison.causes import LEAST_DIFFERENCE, Explanation
 from quickreturn.cases.files.case import Case
@@ -17,8 +16,7 @@ from quickreturn.engines.trajectory import rms
 from quickreturn.plugins.studies.uncertainty.calibration import Free, Search
 from quickreturn.plugins.studies.uncertainty.fit import smooth_part
 from quickreturn.plugins.studies.uncertainty.table_model import TableModel
-
-Array = NDArray[np.float64]
+from quickreturn.reference_model.arrays import Array
 
 #: Keys that are tried, if the scene has a value there.
 CANDIDATES: Final = (

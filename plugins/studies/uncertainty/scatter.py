@@ -21,11 +21,10 @@ from quickreturn.cases.motion.catalogue import measure
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.plugins.studies.uncertainty.chaos import DRAWN, HALF_WIDTH, SEED, Surrogate
 from quickreturn.plugins.studies.uncertainty.parameters import Distribution, Parameter
+from quickreturn.reference_model.arrays import Array
 
 if TYPE_CHECKING:
     import pandas as pd
-
-Array = NDArray[np.float64]
 
 PROBABILITIES: Final = (0.05, 0.5, 0.95)  # of the quantiles
 #: Largest part of the points that may lack a measure which has a band: they do not lack it at random, and might all lie beyond a quantile.

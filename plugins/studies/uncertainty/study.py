@@ -7,7 +7,6 @@ from functools import cached_property
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.arguments import AnyCase, check, given_settings, one_case
 from quickreturn.cases.files.case import Case
@@ -26,8 +25,7 @@ from quickreturn.plugins.studies.sweep.study import computed, joined
 from quickreturn.plugins.studies.uncertainty.chaos import cube, least_points
 from quickreturn.plugins.studies.uncertainty.parameters import Distribution, Parameter, changes, distribution
 from quickreturn.plugins.studies.uncertainty.scatter import Scatter
-
-Array = NDArray[np.float64]
+from quickreturn.reference_model.arrays import Array
 
 #: Least and largest number of points; a power of two keeps a Sobol' sequence balanced.
 FEWEST: Final = 8

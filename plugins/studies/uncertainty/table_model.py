@@ -4,7 +4,6 @@ import math
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from quickreturn.cases.comparison.tables import recorded_run
@@ -19,12 +18,11 @@ from quickreturn.engines.one_run import run_once
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import rms
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from quickreturn.reference_model.rigid import mean_crank_speed
-
-Array = NDArray[np.float64]
 
 #: Columns that are compared, if a table has them: those that every engine delivers. Time and crank angle locate a row.
 COMPARED: Final = tuple(name for name, column in COLUMNS.items() if column.required and name not in ("time", "crank_angle"))

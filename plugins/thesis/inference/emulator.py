@@ -9,11 +9,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.plugins.thesis.inference.unknowns import NAMES, clearance_of, preload_of
-
-Array = NDArray[np.float64]
+from quickreturn.reference_model.arrays import Array
 
 #: Standard deviation of the trend's weights: so large that they are free.
 TREND: Final = 100.0

@@ -11,7 +11,6 @@ from itertools import islice
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from quickreturn.cases.motion.cycle import HALVES
@@ -24,10 +23,9 @@ from quickreturn.cases.motion.time_scale import CHANNELS, TimeScale, channel_hal
 from quickreturn.engines.base import EngineFailure, NoSteadyState, Refusal
 from quickreturn.engines.registry import engine as engine_of_name
 from quickreturn.engines.start import standard_start
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.scene_values import changed
-
-Array = NDArray[np.float64]
 
 #: Turns that are not read, and turns that are: after eight turns the frequencies of runs 10, 18 and 24 change by less than 0.1 % a turn.
 WAITED: Final = 8

@@ -13,14 +13,12 @@ from importlib.resources import files
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import qmc
 
 from quickreturn.cases.library.thesis import run_case
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.scene_values import value_at
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -18,11 +18,10 @@ from quickreturn.plugins.thesis.inference.emulator import Emulated, Emulator, fe
 from quickreturn.plugins.thesis.inference.study import EXAMPLE, RUNS, Row
 from quickreturn.plugins.thesis.inference.unknowns import NAMES, changes_of_machine, points, preload_of, spread
 from quickreturn.plugins.thesis.inference.words import Predicted
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.natural_modes import frozen_crank_modes
 from quickreturn.reference_model.scene_values import changed
-
-Array = NDArray[np.float64]
 
 #: Crank angle in the middle of the return's first sixth, rad, and the number of modes there, of which the lowest are used.
 RETURN: Final = math.radians(390.0)

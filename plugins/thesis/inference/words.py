@@ -12,14 +12,12 @@ from typing import Final
 
 import numpy as np
 from numpy.polynomial.hermite_e import hermegauss
-from numpy.typing import NDArray
 from scipy.special import ndtr
 
 from quickreturn.plugins.thesis.experiment import Statement, axis_labels, statements
 from quickreturn.plugins.thesis.inference.emulator import Emulated
 from quickreturn.plugins.thesis.inference.study import EXAMPLE, RUNS
-
-Array = NDArray[np.float64]
+from quickreturn.reference_model.arrays import Array
 
 #: Standard deviation of the reading of a frequency, and of the bias between the halves, relative (guesses; `weights.SETS` varies them).
 READING: Final = 0.01

@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.signal import butter, lfilter
 
 from quickreturn.cases.comparison.causes import UNEXPLAINED, Causes, Explained, Explanation, causes
@@ -20,8 +19,8 @@ from quickreturn.cases.motion.steady_state import steady_state
 from quickreturn.engines.accurate import simulate
 from quickreturn.engines.registry import engine
 from quickreturn.engines.start import standard_start
+from quickreturn.reference_model.arrays import Array
 
-Array = NDArray[np.float64]
 Columns = dict[str, Array]
 CASE = load_case("thesis-24")
 NAMES = ("time", "crank_angle", "crank_speed", "tip_deflection", "tip_acceleration", "strain_1", "strain_2", "strain_3", "slider_force")
@@ -131,7 +130,7 @@ def test_a_clock_that_runs_fast_is_told_where_no_crank_angle_was_recorded(table:
         lambda t: t["strain_2"] + 0.3 * np.abs(t["strain_2"]),
     ],
 )
-def test_nothing_else_is_given_a_cause(table: Columns, reference: Run, wrong: Callable[[Columns], NDArray[np.float64]]) -> None:
+def test_nothing_else_is_given_a_cause(table: Columns, reference: Run, wrong: Callable[[Columns], Array]) -> None:
     told = found(table | {"strain_2": wrong(table)}, reference, 0.005).told(CASE.name)
     assert set(told) == {UNEXPLAINED}
     assert "nothing that was tried explains the difference of strain_2 (off by " in told[UNEXPLAINED]

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.integrate import solve_bvp
 from scipy.optimize import brentq
 
@@ -13,10 +12,9 @@ from quickreturn.cases.library import load_case
 from quickreturn.engines.accurate import Result, simulate
 from quickreturn.engines.registry import engine
 from quickreturn.engines.start import standard_start
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import FollowerAlone
 from quickreturn.reference_model.scene_values import changed
-
-Array = NDArray[np.float64]
 
 ENGINES = ["reference", pytest.param("exudyn", marks=pytest.mark.verify), pytest.param("mujoco", marks=pytest.mark.verify)]
 #: Accuracy asked of an engine; its error may be three times as large (`conformance.bench.TOLERANCE_FACTOR`). Links take minutes for less.

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 from scipy.integrate import cumulative_simpson
 from scipy.interpolate import CubicSpline
 
@@ -15,9 +14,8 @@ from quickreturn.cases.motion.cycle import CycleMeasures, measure_cycle, signals
 from quickreturn.cases.motion.extremes import extremes
 from quickreturn.cases.motion.number import consensus
 from quickreturn.cases.motion.time_scale import CHANNELS, TimeScale, time_scale
+from quickreturn.reference_model.arrays import Array
 from tests.verification.measures_accuracy import thesis_scene
-
-Array = NDArray[np.float64]
 
 
 @functools.cache

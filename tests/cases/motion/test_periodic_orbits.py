@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from quickreturn.cases.library import case_names, load_case
@@ -23,12 +22,11 @@ from quickreturn.engines.registry import engine
 from quickreturn.engines.settings import Settings, as_texts
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.plugins.thesis.starts import cycle_difference
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.cycles.periodic import periodic_orbit
 from quickreturn.reference_model.cycles.poincare import PoincareMap
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.model import BeamModel
-
-Array = NDArray[np.float64]
 
 QUICK = ("thesis-06", "thesis-24", "hard-speed-x2")
 GRID = np.linspace(0.0, 2.0 * np.pi, 400)

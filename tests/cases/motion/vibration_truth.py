@@ -10,7 +10,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from quickreturn.cases.motion.cycle import CycleMeasures, measure_cycle
@@ -20,10 +19,9 @@ from quickreturn.cases.motion.time_scale import CHANNELS, TimeScale, time_scale
 from quickreturn.engines.base import NoSteadyState
 from quickreturn.engines.own.reference import ReferenceEngine, ReferenceSettings
 from quickreturn.engines.start import standard_start
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.model import BeamModel
-
-Array = NDArray[np.float64]
 
 SETTINGS = ReferenceSettings(modes=5, tolerance=1e-7)
 INTEGRATION = 1e-9

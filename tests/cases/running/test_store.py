@@ -13,11 +13,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from quickreturn.cases.running.store import Record, Store, StoreError, decoded, encoded
 from quickreturn.engines.base import EngineFailure
 from quickreturn.engines.trajectory import FollowerTrajectory, Trajectory
+from quickreturn.reference_model.arrays import Array
 
 KEY = 64 * "a"
 
@@ -128,7 +128,7 @@ class Whole:
     one: Part | None
     by_name: Mapping[str, Part]
     settings: dict[str, Any]
-    columns: dict[str, NDArray[np.float64]] = field(default_factory=dict)
+    columns: dict[str, Array] = field(default_factory=dict)
     picture: bytes = b""
 
 

@@ -10,12 +10,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from tests.quickreturn.conftest import Call
 
-Array = NDArray[np.float64]
 Numbers = dict[str, dict[str, float]]
 
 

@@ -5,16 +5,14 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.cycles.continuation import Branch, branch
 from quickreturn.reference_model.cycles.cycle_family import CycleFamily
 from quickreturn.reference_model.cycles.fixed_points import Image, Limits, NotConverged, first_point
 from quickreturn.reference_model.cycles.poincare import CycleBroken
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from tests.engines.scenes import run_24
-
-Array = NDArray[np.float64]
 
 
 class Known:

@@ -5,16 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.cycles.periodic import NoPeriodicOrbit, PeriodicOrbit, largest_multiplier, periodic_orbit
 from quickreturn.reference_model.entries import KERNEL
 from quickreturn.reference_model.mechanism import PrescribedSpeed, TorqueDrive
 from quickreturn.reference_model.model import BeamModel
 from tests.engines.scenes import INCH, POUND_FORCE, run_24
 from tests.reference_model.multipliers import floquet_multipliers
-
-Array = NDArray[np.float64]
 
 SPEED = 10.0 / 0.60176535  # rad/s
 INTEGRATION = 1e-9

@@ -3,9 +3,9 @@
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.plugins.methods.moving_boundaries.model import MovingBoundariesModel
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.beam.modes import ModeFamily, mode_family
 from quickreturn.reference_model.beam.tables import slider_range, span_tables
 from quickreturn.reference_model.integrate import REACHED_END
@@ -15,8 +15,6 @@ from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.motion.parameters import parameters
 from quickreturn.reference_model.shapes import clamped_free_modes
 from quickreturn.reference_model.thesis.model import ThesisModel
-
-Array = NDArray[np.float64]
 
 
 def places_of(mechanism: Mechanism) -> tuple[float, float]:

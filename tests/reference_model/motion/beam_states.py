@@ -5,8 +5,8 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.entries import KERNEL
 from quickreturn.reference_model.joint import CHORDS, LEVER, MULTIPLIER, ROLLERS, Rollers, SliderConstraint
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
@@ -15,8 +15,6 @@ from quickreturn.reference_model.shapes import ShapeSet, clamped_free_modes, her
 from quickreturn.reference_model.slider import Slider
 from quickreturn.reference_model.spring import Spring
 from tests.engines.scenes import FOLLOWER_ALONE, INCH, run_24
-
-Array = NDArray[np.float64]
 
 EVERYTHING: Final = run_24(
     gravity=(3.0, -9.81),

@@ -4,10 +4,10 @@ import math
 
 import numpy as np
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.rigid import rigid_motion
 from quickreturn.reference_model.shapes import hermite_elements
-from tests.reference_model.motion.beam_runs import Array
 
 
 def monodromy(

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import BENDING, MOMENTS, PLACES
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from quickreturn.reference_model.model import BeamModel
@@ -15,7 +16,7 @@ from quickreturn.reference_model.slider import Slider
 from quickreturn.reference_model.thesis.model import ThesisModel
 from quickreturn.reference_model.tip import tip_force
 from tests.engines.scenes import run_24, with_parts
-from tests.reference_model.motion.beam_runs import Array, run
+from tests.reference_model.motion.beam_runs import run
 from tests.reference_model.motion.beam_states import HELD_BY_SPRING
 from tests.reference_model.rigid_loads import rigid_bearing_forces, rigid_bending_moment
 from tests.reference_model.thesis.thesis_runs import rigid

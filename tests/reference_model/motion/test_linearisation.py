@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.entries import KERNEL, LINEARISED, WEIGHED
 from quickreturn.reference_model.joint import CLOSED, MULTIPLIER, ROLLERS, Rollers, SliderConstraint
 from quickreturn.reference_model.model import BeamModel
@@ -11,7 +11,6 @@ from quickreturn.reference_model.native.memory import Placed
 from quickreturn.reference_model.shapes import clamped_free_modes
 from tests.engines.scenes import run_24
 
-Array = NDArray[np.float64]
 SPRING = SliderConstraint(kind=ROLLERS, rollers=Rollers(plus=1e6, minus=1e6, damping=300.0), inertia=2e-2)
 FORCE = SliderConstraint(kind=MULTIPLIER, stabilization=50.0)
 

@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 import pytest
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.beam.modes import ModeFamily, mode_family
 from quickreturn.reference_model.beam.tables import slider_range, span_tables
 from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism
@@ -15,7 +16,7 @@ from quickreturn.reference_model.motion.layout import BeamTables, ShapeRow
 from quickreturn.reference_model.natural_modes import supported_modes
 from quickreturn.reference_model.shapes import hermite_elements
 from tests.engines.scenes import INCH, run_24
-from tests.reference_model.motion.beam_runs import Array, fine_family, places_of, run, with_fine_tables
+from tests.reference_model.motion.beam_runs import fine_family, places_of, run, with_fine_tables
 from tests.reference_model.motion.beam_states import ALONE, elements_of, modes_of
 from tests.reference_model.thesis.thesis_runs import error
 

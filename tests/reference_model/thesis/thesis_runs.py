@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive
 from quickreturn.reference_model.shapes import hermite_elements, no_shapes
 from quickreturn.reference_model.thesis.model import ThesisModel
 from tests.engines.scenes import run_24
-from tests.reference_model.motion.beam_runs import Array
 
 
 def thesis(mechanism: Mechanism, *, elements: int = 1, exact: bool = False) -> ThesisModel:

@@ -6,11 +6,9 @@ With c = LA exp(i q1) - d = s exp(i q2) the logarithm log c = log s + i q2 gives
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.engines.exudyn.settings import ExudynSettings
 from quickreturn.engines.mujoco.settings import ChainSettings
@@ -31,8 +30,6 @@ from quickreturn.reference_model.slider import Slider
 from tests.verification.ladder.overhung_beam import Mode, Sag, cubic_frequencies, cubic_sag, natural_modes, sag
 from tests.verification.ladder.rigid_loop import RigidLoop, rigid_loop
 from tests.verification.row import Row, smoothed
-
-Array = NDArray[np.float64]
 
 #: m/s^2: so little that the sag's square, which the linear theory leaves out, is 1e-6 of it.
 WEIGHT: Final = 0.5

@@ -18,7 +18,6 @@ from types import MappingProxyType
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import PPoly
 
 from quickreturn.engines.exudyn.settings import ExudynSettings
@@ -30,11 +29,10 @@ from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.start_state import StartState, reconstruct
 from quickreturn.plugins.methods.rivals.fixed_shapes import FixedShapesSettings
 from quickreturn.plugins.methods.rivals.multiplier import MultiplierSettings
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive
 from quickreturn.reference_model.tip import Tip
 from tests.verification.row import Row, smoothed
-
-Array = NDArray[np.float64]
 
 #: Of the reference, whose state it is.
 OWN: Final = ReferenceSettings(modes=8, tolerance=1e-9)

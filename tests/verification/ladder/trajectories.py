@@ -17,7 +17,6 @@ from itertools import pairwise
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.cases.library import load_case
 from quickreturn.engines.exudyn.settings import ExudynSettings
@@ -27,10 +26,9 @@ from quickreturn.engines.registry import engine
 from quickreturn.engines.settings import Settings
 from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from tests.verification.row import Row, smoothed
-
-Array = NDArray[np.float64]
 
 OUTPUT_STEP: Final = 2.5e-4  # s
 MEAN: Final = 16  # rows of a running mean

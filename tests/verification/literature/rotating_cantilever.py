@@ -10,13 +10,11 @@ Applied Mechanics 49 (1982) 197-202. Everything here is without dimensions: leng
 """
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import eigh
 from scipy.optimize import brentq
 
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.follower import Follower
-
-Array = NDArray[np.float64]
 
 TERMS = 80  # of the series; at a rate of 12 the last one is below 1e-40 of the sum
 

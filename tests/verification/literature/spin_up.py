@@ -14,18 +14,16 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from quickreturn.cases.library import load_case
 from quickreturn.engines.accurate import Result, simulate
 from quickreturn.engines.registry import engine
 from quickreturn.engines.start import standard_start
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import FollowerAlone, SpinUp, base_motion
 from tests.verification.literature.rotating_cantilever import cubic_frequency, frequencies, quasi_static_deflection, time_unit
 from tests.verification.row import Row
-
-Array = NDArray[np.float64]
 
 CASE: Final = "spin-up"
 LITERATURE: Final = tomllib.loads(Path(__file__).with_name("literature.toml").read_text("utf-8"))

@@ -7,11 +7,11 @@ from functools import cache
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.plugins.derive.tests.mutation.mutation import Hunt, Source, plain
 from quickreturn.plugins.derive.tests.reference.by_hand import by_hand, sizes
 from quickreturn.plugins.derive.tests.reference.derived_beam import DerivedBeam, State
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import ROW, by_column, recorded_columns
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.motion import equations, fields, inertia, loop, observe, plane, spring
@@ -40,7 +40,6 @@ from tests.reference_model.motion.beam_states import (
     modes_of,
 )
 
-Array = NDArray[np.float64]
 Functions = Mapping[str, Any]
 
 #: Of what is solved for; found: 3e-13.

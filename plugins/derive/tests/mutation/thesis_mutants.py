@@ -8,7 +8,6 @@ import numpy as np
 
 from quickreturn.plugins.derive.tests.mutation.mutation import Hunt, Source, plain
 from quickreturn.plugins.derive.tests.reference.oracle_scene import (
-    Array,
     Equations,
     Values,
     build,
@@ -22,6 +21,7 @@ from quickreturn.plugins.derive.tests.reference.oracle_scene import (
     prescribed,
     state_vector,
 )
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.shapes import ShapeSet
 from quickreturn.reference_model.state import State
 from quickreturn.reference_model.thesis import dynamics, equations, kinematics, observables

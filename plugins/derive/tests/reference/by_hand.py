@@ -4,14 +4,13 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.plugins.derive.tests.reference.derived_beam import State
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import AXIAL, BEARINGS, BENDING, SHAPE
 from quickreturn.reference_model.model import BeamModel
 from quickreturn.reference_model.motion.layout import BeamWorkspace
 
-Array = NDArray[np.float64]
 Values = dict[str, Any]
 
 PLACES: Final = ("follower_angle", "slider_position", "tip_x", "tip_y", "tip_deflection", *SHAPE)

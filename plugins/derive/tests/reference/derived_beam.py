@@ -13,13 +13,13 @@ from typing import Any, Final
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.derive import System, turned, vector
 from quickreturn.plugins.derive.equations import Equations
 from quickreturn.plugins.derive.system import column
 from quickreturn.plugins.derive.witness.description import UNITS, Follower, constants, follower, quick_return
 from quickreturn.plugins.derive.witness.recovery import columns
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reference_model.joint import CHORDS, CLOSED, LEVER, ROLLERS, SliderConstraint
 from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism
@@ -73,7 +73,6 @@ def lever(system: System, arm: Follower, q: ca.SX) -> ca.SX:
     return turned(arm.angle, 0, 1).T @ way
 
 
-Array = NDArray[np.float64]
 Values = dict[str, Any]
 
 #: Angle (rad) by which the follower of an open loop stands off the crank tip, and its rate (rad/s).

@@ -11,15 +11,14 @@ from typing import Any, Final
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.derive import Beam, System, turned, vector
 from quickreturn.plugins.derive.equations import Equations
 from quickreturn.plugins.derive.system import Points, column
 from quickreturn.plugins.derive.tests.descriptions import described
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.shapes import ShapeSet
 
-Array = NDArray[np.float64]
 Values = dict[str, Array]
 
 #: Gauss points a cell: exact for places of shapes up to the fourth degree, and below rounding for the roots of exact geometry.

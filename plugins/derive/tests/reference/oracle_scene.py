@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from quickreturn.plugins.derive.tests.descriptions import described
 from quickreturn.plugins.derive.tests.reference.derived_thesis import of_shapes, one_cubic
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import BEARINGS, MOMENTS, ROW, SHAPE, by_column, recorded_columns
 from quickreturn.reference_model.compiled_state import state_of
 from quickreturn.reference_model.follower import Follower
@@ -50,7 +50,6 @@ LEFT_OUT = {
 }
 
 
-Array = NDArray[np.float64]
 Values = dict[str, Array]
 Case = tuple[dict[str, float], dict[str, float]]
 

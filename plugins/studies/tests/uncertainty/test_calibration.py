@@ -6,7 +6,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.stats import chi2
 
@@ -24,10 +23,9 @@ from quickreturn.plugins.studies.uncertainty.calibration import DEFAULT_ERROR, T
 from quickreturn.plugins.studies.uncertainty.fit import Fit, covariance, reach, smooth_part, undetermined
 from quickreturn.plugins.studies.uncertainty.parameters import Parameter, changes
 from quickreturn.plugins.studies.uncertainty.table_model import TableModel
+from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.rigid import crank_pace
 from quickreturn.reference_model.scene_values import changed
-
-Array = NDArray[np.float64]
 
 COLUMNS = ("tip_deflection", "tip_acceleration", "strain_1", "strain_2", "strain_3")
 CASE = load_case("thesis-24")
