@@ -14,14 +14,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 from quickreturn.engines import progress
-from quickreturn.engines.base import (
-    AnyEngine,
-    Comparison,
-    Engine,
-    EngineFailure,
-    EstimateOf,
-    ModelDescription,
-)
+from quickreturn.engines.base import AnyEngine, Comparison, Engine, EngineFailure, EstimateOf, ModelDescription
 from quickreturn.engines.error_parts import (
     ESTIMATED,
     TIP,

@@ -13,7 +13,6 @@ except ImportError as error:
 
 from quickreturn.plugins.derive.beam import Beam, natural_shapes
 from quickreturn.plugins.derive.model import Model
-from quickreturn.plugins.derive.sensitivity import sensitivities
 from quickreturn.plugins.derive.statics import Linear, Statics, natural_frequencies
 from quickreturn.plugins.derive.system import System, turned, vector
 from quickreturn.plugins.derive.units import DescriptionError
@@ -28,7 +27,6 @@ __all__ = [
     "latex",
     "natural_frequencies",
     "natural_shapes",
-    "sensitivities",
     "turned",
     "vector",
 ]

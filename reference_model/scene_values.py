@@ -6,16 +6,7 @@ from typing import Any, Final, TypeVar, cast
 
 from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.follower import DIMENSIONS, Follower, Material, section_of
-from quickreturn.reference_model.mechanism import (
-    Base,
-    Crank,
-    FollowerAlone,
-    Mechanism,
-    PrescribedSpeed,
-    Scene,
-    SpinUp,
-    TorqueDrive,
-)
+from quickreturn.reference_model.mechanism import Base, Crank, FollowerAlone, Mechanism, PrescribedSpeed, Scene, SpinUp, TorqueDrive
 from quickreturn.reference_model.quantities import Quantity, quantities_of
 from quickreturn.reference_model.slider import Slider
 from quickreturn.reference_model.spring import Spring

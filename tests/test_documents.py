@@ -103,7 +103,7 @@ def folder_of(document: str, base: Path) -> Path:
     folder = base / document.replace("/", "-").removesuffix(".md")
     folder.mkdir()
     (folder / "docs/pictures").mkdir(parents=True)
-    for part in ("cases", "plugins", "examples", "docs/pictures/draw.py"):
+    for part in ("cases", "plugins", "examples"):
         (folder / part).symlink_to(ROOT / part)
     for block in blocks_of(document):
         if block.is_file:

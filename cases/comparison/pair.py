@@ -21,15 +21,7 @@ import numpy as np
 
 from quickreturn.cases.motion.cycle import EXTREMES, HALVES, VIBRATION, signals_by_half
 from quickreturn.cases.motion.marching import channels_of
-from quickreturn.cases.motion.number import (
-    TELLING,
-    TELLING_OF_AMPLITUDES,
-    TELLING_OF_FREQUENCIES,
-    Number,
-    Verdict,
-    consensus,
-    or_nan,
-)
+from quickreturn.cases.motion.number import TELLING, TELLING_OF_AMPLITUDES, TELLING_OF_FREQUENCIES, Number, Verdict, consensus, or_nan
 from quickreturn.cases.motion.request import Run
 from quickreturn.cases.motion.settling import GRID, Cycle, on_common_grid
 from quickreturn.cases.motion.time_scale import CHANNELS

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
-from quickreturn.cases.files.document import Document, check_mapping, header_of, in_words, name_of_copy, read_document
+from quickreturn.cases.files.document import Document, check_mapping, header_of, in_words, name_of_copy
 from quickreturn.cases.files.errors import CaseError
 from quickreturn.cases.files.keys import PATHS, PLUS_MINUS, shown_value
 from quickreturn.cases.files.reading import in_si, read
@@ -155,20 +155,6 @@ class Case(Printable):
 def case_of(document: Document) -> Case:
     """The case that a document describes. CaseError: as `text.reading.read`."""
     return Case(**read(document)._asdict(), source=document.source, document=document)
-
-
-def parse_case(text: str, source: str, overrides: Mapping[str, str] | None = None) -> Case:
-    """The case that a TOML text describes.
-
-    Args:
-        text: of the file.
-        source: its name in messages.
-        overrides: dotted key -> text as in the file, e.g. {"crank.length": "5 in"}.
-
-    Raises:
-        CaseError: any mistake in text or overrides.
-    """
-    return case_of(read_document(text, source).overridden_by(overrides or {}))
 
 
 def document_of(case: Case) -> Document:

@@ -15,16 +15,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from quickreturn.cases.files.column_mapping import (
-    IGNORED,
-    ColumnMapping,
-    Target,
-    UsedColumn,
-    columns_used,
-    mapping_of,
-    own_name,
-    suggested,
-)
+from quickreturn.cases.files.column_mapping import IGNORED, ColumnMapping, Target, UsedColumn, columns_used, mapping_of, own_name, suggested
 from quickreturn.cases.files.errors import CaseError, as_written, path_shown, printable
 from quickreturn.cases.files.instants import gaps, single_instants
 from quickreturn.cases.files.number_rows import Form, TableText, does_not_rise, table_text

@@ -105,13 +105,12 @@ class March:
 
     Attributes:
         solve_seconds: wall time so far.
-        simulated_seconds: likewise simulated.
     """
 
     def __init__(self, simulation: Simulation, crank_speed: float, step: float, begun: Trajectory | None = None) -> None:
         """`crank_speed` (rad/s) at the beginning; `step` (s) between rows; `begun`: the rows of the simulation so far."""
         self._simulation, self._crank_speed, self._step, self._begun = simulation, crank_speed, step, begun
-        self.solve_seconds, self.simulated_seconds = (0.0, 0.0) if begun is None else (begun.solve_seconds, simulation.time)
+        self.solve_seconds = 0.0 if begun is None else begun.solve_seconds
 
     def present_start(self) -> Start | None:
         """The present state as a start, see `Simulation.present_start`."""
@@ -142,7 +141,7 @@ class March:
             stretch = step * math.ceil(min(turn / step, LONGEST_PIECE))
             piece = simulation.advance(stretch, step)
             check_trajectory(piece, stretch, step)
-            self.solve_seconds, self.simulated_seconds = self.solve_seconds + piece.solve_seconds, simulation.time
+            self.solve_seconds += piece.solve_seconds
             rows = join([rows, piece]) if rows else piece
 
 

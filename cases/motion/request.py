@@ -128,7 +128,6 @@ class Computation:
     estimate_seconds: float | None = None
     solve_seconds: float | None = None
     wall_seconds: float | None = None  # time of the whole request
-    simulated_seconds: float | None = None  # simulated time in the solve time
 
     @classmethod
     def of(cls, result: Result) -> "Computation":

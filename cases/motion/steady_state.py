@@ -204,7 +204,7 @@ class _RunInProgress:
         try:
             cycles, settling = settle(self._noted(march), multiplier, self._mechanism.slider.has_corners, march.halve_step, far=far)
         finally:
-            self.note("computation", solve_seconds=march.solve_seconds, simulated_seconds=march.simulated_seconds)
+            self.note("computation", solve_seconds=march.solve_seconds)
         self.note("approach", settled=settling.settled or len(cycles) > 1, cycles=settling.cycles, averaged_cycles=max(len(cycles), 1))
         if math.isfinite(settling.error_estimate):
             self.note("approach", settling_error=settling.error_estimate, settling_errors=settling.errors)
@@ -236,7 +236,7 @@ class _RunInProgress:
         self.note("approach", start=STANDARD, turn=number, cycles=number, settling_errors=dict.fromkeys(CHANNELS, 0.0))
         march = self._march(self._settings)
         cycle = columns_of(next(islice(march, number - 1, None)))
-        self.note("computation", solve_seconds=march.solve_seconds, simulated_seconds=march.simulated_seconds)
+        self.note("computation", solve_seconds=march.solve_seconds)
         return cycle
 
     def _compare(self) -> tuple[tuple[Compared[tuple[Columns, ...]], ...], str]:
@@ -342,8 +342,8 @@ class _RunInProgress:
         if not orbit.stable and not self._neutral:
             raise Hopeless(Orbit(None, math.hypot(*orbit.multipliers[0])).hopeless(0.0))
         whole, piece = periodic_cycle(state, self._step)
-        cycle, simulated = columns_of(whole), state.cycles_of_work * state.period + float(piece["time"][-1])
-        self.note("computation", solve_seconds=state.solve_seconds + piece.solve_seconds, simulated_seconds=simulated)
+        cycle = columns_of(whole)
+        self.note("computation", solve_seconds=state.solve_seconds + piece.solve_seconds)
         errors = {name: state.residual * float(np.max(np.abs(cycle[name]))) for name in CHANNELS}
         self.note("approach", start=DIRECT, settled=True, cycles=math.ceil(state.cycles_of_work), settling_error=state.residual)
         self.note("approach", settling_errors=errors, periodic_orbit=replace(orbit, period=float(cycle["time"][-1] - cycle["time"][0])))

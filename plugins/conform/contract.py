@@ -24,18 +24,7 @@ from quickreturn.engines.own.reference import ReferenceEngine
 from quickreturn.engines.registry import UnknownEngine
 from quickreturn.engines.start import Start, standard_start
 from quickreturn.engines.trajectory import Trajectory, rms
-from quickreturn.plugins.conform.bench import (
-    Bench,
-    Check,
-    Conformance,
-    Fault,
-    Motion,
-    check_by,
-    compared_columns,
-    ended,
-    engine_from,
-    some,
-)
+from quickreturn.plugins.conform.bench import Bench, Check, Conformance, Fault, Motion, check_by, compared_columns, ended, engine_from, some
 from quickreturn.plugins.conform.columns import motion
 from quickreturn.plugins.conform.promises import frequencies, ladder
 from quickreturn.plugins.conform.quantities import alone, quantities

@@ -14,18 +14,7 @@ from quickreturn.engines.base import AnyEngine, EngineFailure, Refusal
 from quickreturn.engines.one_run import run_once
 from quickreturn.engines.settings import SettingError, Settings
 from quickreturn.engines.start import standard_start
-from quickreturn.plugins.methods.row import (
-    ENDED,
-    FAILED,
-    NOT_REACHED,
-    OWN_EQUATIONS,
-    REACHED,
-    REFUSED,
-    TOO_SLOW,
-    WRONG,
-    Row,
-    errors_of,
-)
+from quickreturn.plugins.methods.row import ENDED, FAILED, NOT_REACHED, OWN_EQUATIONS, REACHED, REFUSED, TOO_SLOW, WRONG, Row, errors_of
 from quickreturn.plugins.methods.truth import Truth
 
 #: Part of the time until the slider leaves the follower on which a run is judged.

@@ -10,19 +10,7 @@ from quickreturn.engines.base import EngineFailure
 from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import PrescribedSpeed
 from tests.properties.law import for_all
-from tests.properties.runs import (
-    COMPLIANT,
-    EXPLICIT,
-    EXUDYN,
-    MUJOCO,
-    REFERENCE,
-    STEPS_ADD_UP,
-    TOLERANCE,
-    Method,
-    apart,
-    assert_close,
-    both,
-)
+from tests.properties.runs import COMPLIANT, EXPLICIT, EXUDYN, MUJOCO, REFERENCE, STEPS_ADD_UP, TOLERANCE, Method, apart, assert_close, both
 from tests.strategies import Scene, scenes
 
 #: How closely an engine does the same thing again in other numbers. The integrators of the explicit models may take other steps for the

@@ -8,10 +8,11 @@ from typing import Any
 import pytest
 
 from quickreturn.cases.files import units
-from quickreturn.cases.files.case import Case, parse_case
+from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.keys import dimension_of
 from quickreturn.cases.files.units import Dimension
 from quickreturn.reference_model.scene_values import values_of
+from tests.cases.files.scene_texts import parse_case
 from tests.properties.law import for_all
 from tests.strategies import Scene, scenes
 

@@ -5,11 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from quickreturn.cases.files.case import parse_case
 from quickreturn.cases.files.errors import CaseError
 from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.follower import section_of
-from tests.cases.files.scene_texts import SCENE
+from tests.cases.files.scene_texts import SCENE, parse_case
 
 MM = 1e-3
 SECTIONS = {

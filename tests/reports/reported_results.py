@@ -25,7 +25,6 @@ def reported_result(name: str, statuses: dict[str, str] | None = None, seed: int
             settled=run.usable,
             cycles=12,
             settling_error=5e-4,
-            simulated_seconds=6.0,
             error_estimate=8e-4,
             error_estimates={"tip_deflection": 8e-4, "strain_3": 9e-4},
             settings={"elements": 16, "step": 1e-4},

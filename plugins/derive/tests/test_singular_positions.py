@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from quickreturn.derive import DescriptionError, Model, System, natural_frequencies, sensitivities, turned, vector
+from quickreturn.derive import DescriptionError, Model, System, natural_frequencies, turned, vector
 from quickreturn.plugins.derive.equations import Form
 from quickreturn.plugins.derive.tests.linkages import (
     G,
@@ -119,12 +119,6 @@ def test_a_loop_that_repeats_another_is_named() -> None:
         model.simulate({"crank": 1.0}, 1.0, 0.1)
     with pytest.raises(DescriptionError, match="small motions of 'slider-crank' are not determined: the position is singular, or a loop"):
         natural_frequencies(model, {"crank": 1.0})
-
-
-def test_sensitivities_end_in_a_singular_position() -> None:
-    model = Model(parallelograms([1.0], [1.0], 0.5, 1.0))
-    with pytest.raises(DescriptionError, match=r"comes to a singular position at 0\.\d+ s, with arm_0 = .*: there loop 'loop 0' do"):
-        sensitivities(model, ["m"], {"arm_0": 0.5, "arm_0_rate": -5.0}, 1.0, 0.1)
 
 
 def test_in_line_there_are_no_frequencies() -> None:

@@ -7,18 +7,7 @@ from typing import Final
 from quickreturn.cases.library.hard import IMPOSSIBLE
 from quickreturn.engines.registry import MODEL
 from quickreturn.plugins.methods.race import Race
-from quickreturn.plugins.methods.row import (
-    ENDED,
-    FAILED,
-    MEANINGS,
-    NOT_REACHED,
-    OWN_EQUATIONS,
-    REACHED,
-    REFUSED,
-    TOO_SLOW,
-    WRONG,
-    Row,
-)
+from quickreturn.plugins.methods.row import ENDED, FAILED, MEANINGS, NOT_REACHED, OWN_EQUATIONS, REACHED, REFUSED, TOO_SLOW, WRONG, Row
 from quickreturn.plugins.methods.studies import REQUESTED, hard_scenes_of
 from quickreturn.reports.page.chapter import Chapter
 from quickreturn.reports.page.content import Content

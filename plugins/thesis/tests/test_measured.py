@@ -10,13 +10,7 @@ from quickreturn.cases.comparison.engines import CaseResult
 from quickreturn.cases.files.errors import CaseError
 from quickreturn.cases.motion.time_scale import CHANNELS
 from quickreturn.plugins.thesis.axes import AxisComparison, fits_worse, measured_alone, misfit
-from quickreturn.plugins.thesis.experiment import (
-    FOLDER_VARIABLE,
-    axis_labels,
-    channel_is_usable,
-    experiment_tables,
-    measured_crank_speed,
-)
+from quickreturn.plugins.thesis.experiment import FOLDER_VARIABLE, axis_labels, channel_is_usable, experiment_tables, measured_crank_speed
 from quickreturn.plugins.thesis.page_data import statement_values
 from quickreturn.reports.page.content import MeasuredHalf, measured_halves
 from tests.reports.plotted_results import with_table

@@ -1,10 +1,12 @@
 """A case file in inches, and what tests do with its text."""
 
+from collections.abc import Mapping
 from dataclasses import astuple, is_dataclass
 
 import pytest
 
-from quickreturn.cases.files.case import parse_case
+from quickreturn.cases.files.case import Case, case_of
+from quickreturn.cases.files.document import read_document
 from quickreturn.cases.files.errors import CaseError
 
 SCENE = """\
@@ -78,3 +80,8 @@ def numbers(value: object) -> list[float]:
     if isinstance(value, tuple):
         return [number for item in value for number in numbers(item)]
     return [float(value)] if isinstance(value, float) else []
+
+
+def parse_case(text: str, source: str, overrides: Mapping[str, str] | None = None) -> Case:
+    """The case that the text of a file describes, with changed values."""
+    return case_of(read_document(text, source).overridden_by(overrides or {}))

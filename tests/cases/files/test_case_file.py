@@ -5,11 +5,11 @@ import re
 
 import pytest
 
-from quickreturn.cases.files.case import Case, parse_case
+from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.errors import CaseError
 from quickreturn.cases.library import with_times
 from quickreturn.reference_model.mechanism import PrescribedSpeed, TorqueDrive
-from tests.cases.files.scene_texts import SCENE, changed, message, numbers
+from tests.cases.files.scene_texts import SCENE, changed, message, numbers, parse_case
 
 
 def test_every_key_arrives_where_it_belongs() -> None:

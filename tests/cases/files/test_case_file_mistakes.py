@@ -4,10 +4,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from quickreturn.cases.files.case import parse_case
 from quickreturn.cases.files.errors import CaseError
 from quickreturn.cases.library import ENTRIES, case_names, load_case
-from tests.cases.files.scene_texts import SCENE, changed, message
+from tests.cases.files.scene_texts import SCENE, changed, message, parse_case
 
 LENGTH, ANGLE, STEP = 'length = "4 in"', 'initial_angle = "180 deg"', 'output_step = "1 ms"'
 TORQUE, JOINT, GAUGES = 'torque = "10 lbf*in"', 'joint_stiffness = "100 lbf/in"', '"18.75 in"]'

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from quickreturn.cases.files.case import Case, parse_case
+from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.errors import CaseError
 from quickreturn.cases.files.keys import PATHS, si_text, unit_given
 from quickreturn.cases.files.reading import changes_of
@@ -28,7 +28,7 @@ from quickreturn.plugins.studies.uncertainty.study import planned
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.scene_values import values_of
 from quickreturn.reference_model.slider import Slider
-from tests.cases.files.scene_texts import SCENE
+from tests.cases.files.scene_texts import SCENE, parse_case
 
 _STIFFNESS, _MASS = 'bending_stiffness = "2128.22 lbf*in^2"', 'mass_per_length = "4.75987e-5 lbf*s^2/in^2"'
 _RIGID_JOINT = SCENE.replace('joint_stiffness = "100 lbf/in"\njoint_damping = "0.1 lbf*s/in"\n', "")

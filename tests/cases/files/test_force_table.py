@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from quickreturn.cases.files.case import document_of, parse_case
+from quickreturn.cases.files.case import document_of
 from quickreturn.cases.files.errors import CaseError
 from quickreturn.cases.files.written import as_toml
 from quickreturn.cases.library import library_case, load_case
@@ -16,7 +16,7 @@ from quickreturn.cases.running.key import hash_of
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.tip import ForceTable
 from quickreturn.reports.other_tools import for_other_tools
-from tests.cases.files.scene_texts import SCENE
+from tests.cases.files.scene_texts import SCENE, parse_case
 
 ROWS = "0, 1, 2\n90, 3, 4\n180, -5, 6\n270, 7, -8\n"
 TABLE = "# origin = measured\ncrank_angle [deg], force_n1 [kN], force_n2 [N]\n" + ROWS

@@ -3,11 +3,10 @@
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator
 
-from quickreturn.cases.files.case import parse_case
 from quickreturn.cases.files.shown import Cell, Printable, Rows
 from quickreturn.cases.library import load_case
 from quickreturn.plugins.conform.bench import Check, Conformance
-from tests.cases.files.scene_texts import SCENE
+from tests.cases.files.scene_texts import SCENE, parse_case
 
 HOSTILE = "</td><script>alert('owned')</script> & \"<b>\""
 

@@ -6,7 +6,7 @@ import re
 import pint
 import pytest
 
-from quickreturn.cases.files.case import Case, parse_case
+from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.errors import CaseError
 from quickreturn.cases.files.keys import PATHS
 from quickreturn.cases.files.shown import METRIC, SETS, Unit, Units, units_of
@@ -14,6 +14,7 @@ from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.catalogue import MEASURES
 from quickreturn.reference_model.columns import COLUMNS
 from quickreturn.reports.words import MINUS, TIED, quantity
+from tests.cases.files.scene_texts import parse_case
 from tests.quickreturn.scene_file import SCENE
 
 #: SI units in which numbers are declared anywhere.

@@ -7,13 +7,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from quickreturn.cases.files.case import Case, document_of, parse_case
+from quickreturn.cases.files.case import Case, document_of
 from quickreturn.cases.files.errors import CaseError
 from quickreturn.cases.files.keys import PATHS, SECTIONS
 from quickreturn.cases.files.written import as_toml
 from quickreturn.cases.library import case_names, load_case
 from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, SpinUp
 from quickreturn.reference_model.scene_values import SPIN_UP
+from tests.cases.files.scene_texts import parse_case
 from tests.strategies import scenes
 
 

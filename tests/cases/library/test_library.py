@@ -8,13 +8,13 @@ from pathlib import Path
 import pytest
 
 from quickreturn.cases import library
-from quickreturn.cases.files.case import case_of, document_of, parse_case
+from quickreturn.cases.files.case import case_of, document_of
 from quickreturn.cases.files.errors import CaseError
 from quickreturn.cases.library import case_names, catalogue, load_case
 from quickreturn.cases.library.hard import IMPOSSIBLE, SCENES
 from quickreturn.cases.library.thesis import RUNS, run_name
 from quickreturn.cases.library.thesis.inconsistencies import inconsistencies
-from tests.cases.files.scene_texts import SCENE
+from tests.cases.files.scene_texts import SCENE, parse_case
 
 # Run 24 as anyone would write it down from sections 3.2 and 5.3, with the crank damping mended.
 RUN_24 = (

@@ -19,15 +19,7 @@ from quickreturn.cases.library import load_case
 from quickreturn.cases.motion.solving import frequencies_job
 from quickreturn.cases.running import key
 from quickreturn.cases.running.job import Job, Limits
-from quickreturn.cases.running.key import (
-    ONLY_TALK,
-    code_of,
-    hash_of,
-    imported_modules,
-    key_of,
-    names_imported,
-    sources_of,
-)
+from quickreturn.cases.running.key import ONLY_TALK, code_of, hash_of, imported_modules, key_of, names_imported, sources_of
 from quickreturn.engines.plugins import plugins
 from quickreturn.plugins.studies.sweep import grid
 from quickreturn.plugins.studies.sweep.rows import MeasureRequest

@@ -13,9 +13,9 @@ from pathlib import Path
 
 import pytest
 
-from quickreturn.cases.files.case import parse_case
 from quickreturn.cases.files.errors import CaseError
 from quickreturn.cases.library import load_case
+from tests.cases.files.scene_texts import parse_case
 from tests.quickreturn.conftest import Answer, Call
 from tests.quickreturn.input import mistakes
 from tests.quickreturn.input.mistakes import scene, written

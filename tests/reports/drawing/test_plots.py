@@ -1,35 +1,20 @@
 """Every picture of the documents renders without a warning, is small, and says what it shows."""
 
 import dataclasses
-import io
-import runpy
 import warnings
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 import pytest
-from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
-from PIL import Image
 
 from quickreturn.cases.comparison.engines import CaseResult
 from quickreturn.cases.motion.time_scale import CHANNELS
-from quickreturn.engines.registry import MAIN
 from quickreturn.plugins.methods import drawing as of_methods
-from quickreturn.plugins.methods.rivals import RIVALS
 from quickreturn.plugins.methods.tests.made_up_races import made_up_race
 from quickreturn.reports.drawing import cycle
-from quickreturn.reports.line_styles import looks
+from quickreturn.reports.drawing.style import picture
 from tests.reports.plotted_results import made_up_result, with_table
-
-#: Bytes: three pictures are kept in the repository.
-LARGEST = 100_000
-#: What draws the documents' pictures.
-PROGRAM = runpy.run_path(str(Path(__file__).parents[3] / "docs/pictures/draw.py"))
-
-#: Methods of which the made-up race has no mark.
-NOT_DRAWN = ("nodal-load", "moving-boundaries", "mujoco", "fixed-shapes", "stiff-spring")
 
 TROUBLES = {
     "settled": made_up_result("thesis-24"),
@@ -54,10 +39,8 @@ def _has_data(axes: object) -> bool:
     return any(len(getattr(axes, kind)) > 0 for kind in ("lines", "collections", "images", "patches"))
 
 
-def _check(figure: Figure) -> bytes:
-    content = PROGRAM["png"](figure)
-    assert len(content) <= LARGEST
-    assert Image.open(io.BytesIO(content)).width == 2 * 480
+def _check(figure: Figure) -> None:
+    picture(figure, ".png")
     assert all(_has_data(axes) for axes in figure.axes)
     everything = figure.get_tightbbox()  # in
     width, height = figure.get_size_inches()
@@ -65,7 +48,6 @@ def _check(figure: Figure) -> bytes:
     assert everything.y0 >= 0.0
     assert everything.x1 <= width
     assert everything.y1 <= height
-    return content
 
 
 def _texts(figure: Figure) -> list[str]:
@@ -109,27 +91,19 @@ def test_a_single_engine_has_pictures_of_its_own_but_no_comparison() -> None:
 
 
 @pytest.fixture(scope="module")
-def benchmark() -> tuple[Figure, bytes]:
-    """A figure of methods and its file, which takes seconds to write."""
+def benchmark() -> Figure:
     figure = of_methods.draw(made_up_race())
-    return figure, _check(figure)
+    _check(figure)
+    return figure
 
 
-def test_methods_that_completed_nothing_have_no_mark(benchmark: tuple[Figure, bytes]) -> None:
-    figure, _ = benchmark
-    assert "nodal-load" not in _texts(figure)
-    assert {"reference", "multiplier, hermite"} <= set(_texts(figure))
+def test_methods_that_completed_nothing_have_no_mark(benchmark: Figure) -> None:
+    assert "nodal-load" not in _texts(benchmark)
+    assert {"reference", "multiplier, hermite"} <= set(_texts(benchmark))
 
 
-def test_the_file_keeps_the_colours_of_its_lines(benchmark: tuple[Figure, bytes]) -> None:
-    names = [name for name in looks((*MAIN, *RIVALS)) if name not in NOT_DRAWN]
-    colours = Image.open(io.BytesIO(benchmark[1])).convert("RGB").getcolors(100_000)
-    assert {to_rgb(look.light) for look in looks(names).values()} <= {tuple(part / 255.0 for part in colour) for _, colour in colours or []}
-
-
-def test_the_front_lies_below_the_points(benchmark: tuple[Figure, bytes]) -> None:
-    figure, _ = benchmark
-    lowest = min(figure.axes[0].lines, key=lambda line: line.get_zorder())
+def test_the_front_lies_below_the_points(benchmark: Figure) -> None:
+    lowest = min(benchmark.axes[0].lines, key=lambda line: line.get_zorder())
     seconds, errors = np.asarray(lowest.get_xdata()), np.asarray(lowest.get_ydata())
     assert np.all(np.diff(seconds) > 0.0)
     assert np.all(np.diff(errors) < 0.0)
