@@ -44,10 +44,14 @@ LONGEST = (
     "test_stability",
     "test_compare",
     "test_several",
+    "test_thesis_equations",
     "test_beam_equations",
-    "test_strength",
+    "test_race",
+    "test_tables",
+    "test_rods",
+    "test_causes",
+    "test_page",
     "test_slices",  # starts pytest
-    "test_recorded",
     "test_fork_server",  # waits, too
     "test_limits",
     "test_symmetry",

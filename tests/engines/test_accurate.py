@@ -77,6 +77,7 @@ def test_linear_algebra_keeps_to_one_thread_and_gives_the_others_back() -> None:
     assert set(seen[0]) == {1}
 
 
+@pytest.mark.verify
 def test_the_first_simulation_of_a_process_does_so_too() -> None:
     """Its engine is the first that loads scipy's linear algebra."""
     code = """

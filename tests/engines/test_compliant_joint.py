@@ -127,6 +127,7 @@ def test_rigid_follower_on_a_spring_is_two_bodies_in_closed_form() -> None:
     assert imbalance(found) < 1e-2  # of the spring's 7 mJ, 5e-5 of what the gravity moves
 
 
+@pytest.mark.verify
 def test_a_bent_start_begins_without_force() -> None:
     """Gap and gap rate are zero, so the follower begins as if it were free; a carriage without mass would begin with no acceleration."""
     scene = with_joint(2e4, 20.0)

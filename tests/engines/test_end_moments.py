@@ -52,7 +52,7 @@ def test_three_engines_ask_for_the_same_moments_at_the_ends(name: str, others: t
         assert max(apart.values()) > 0.2 * witness, f"the declared difference is out of date: {apart}"
 
 
-@pytest.mark.parametrize("name", ["exudyn", "mujoco"])
+@pytest.mark.parametrize("name", [pytest.param("exudyn", marks=pytest.mark.verify), "mujoco"])
 @pytest.mark.parametrize("tip", [None, Tip(mass=0.06, inertia=4e-4, center_of_mass=-0.03)], ids=["free", "tip body"])
 def test_gauges_at_the_ends_keep_their_claims(name: str, tip: Tip | None) -> None:
     """A gauge at 0.5 % from the free end of an arm without a tip body reads a ten-thousandth of the strain at the base.

@@ -42,6 +42,7 @@ def motion(scene: Mechanism, duration: float, modes: int = 4) -> Trajectory:
     return ReferenceEngine().prepare(scene, standard_start(scene), settings).advance(duration, 1e-3)
 
 
+@pytest.mark.verify
 def test_a_slider_near_the_pivot_is_followed() -> None:
     """It comes within 1.7 % of the follower's length of the pivot. Found: 4 and 7 modes differ by 9.5e-5."""
     few, more = (motion(long_crank(0.095), 0.7, modes) for modes in (4, 7))

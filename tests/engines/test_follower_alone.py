@@ -81,6 +81,7 @@ def test_every_engine_says_what_it_builds_or_why_not() -> None:
             describe_scene(engine(name), SCENE)
 
 
+@pytest.mark.verify
 def test_the_stretch_of_the_cable_is_in_the_claim() -> None:
     """A titanium arm spun up to 2800 rpm in 32 ms: the cable that stretches as its section does is 2.5e-4 off."""
     follower = Follower(

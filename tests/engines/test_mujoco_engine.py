@@ -96,6 +96,7 @@ def test_a_damping_that_stops_one_motion_at_once_is_kept_up_with() -> None:
     assert difference < sum(claim or 0.0 for claim in claims) < 0.05
 
 
+@pytest.mark.verify
 def test_damping_matrix_takes_the_power_that_the_kernel_does() -> None:
     scene, hinges = run_24(follower={"damping": 3.0}, base={"damping": 0.2}), 12
     data = mujoco.MjData(chain.build(scene, hinges, 0.0))

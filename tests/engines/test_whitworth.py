@@ -128,6 +128,7 @@ def test_pieces_go_on_from_turn_to_turn(engine: str) -> None:
 
 
 @pytest.mark.parametrize("speed", [OMEGA, pytest.param(-OMEGA, marks=pytest.mark.verify)])
+@pytest.mark.verify
 def test_every_settled_turn_begins_near_half_a_turn_and_says_what_it_means(speed: float) -> None:
     scene = with_crank(FLEXIBLE, drive=PrescribedSpeed(speed=speed), initial_angle=0.3)
     run = steady_state(RunRequest(mechanism=scene, duration=0.5, engine="reference", estimated=False))

@@ -47,7 +47,7 @@ class Method:
 REFERENCE = Method(ReferenceEngine(), ReferenceSettings(modes=3, tolerance=TOLERANCE), 4)
 THESIS = Method(ThesisEngine(), ThesisSettings(tolerance=TOLERANCE), 2)
 FIXED_SHAPES = Method(fixed_shapes.ENGINE, FixedShapesSettings(shapes=6, tolerance=TOLERANCE), 6)
-EXPLICIT = (REFERENCE, THESIS, FIXED_SHAPES)
+EXPLICIT = (REFERENCE, THESIS, pytest.param(FIXED_SHAPES, marks=pytest.mark.verify))
 COMPLIANT = Method(ReferenceEngine(), ReferenceSettings(modes=2, tolerance=TOLERANCE), 4)
 EXUDYN = Method(ExudynEngine(), ExudynSettings(elements=8, step=1e-3, newton_tolerance=1e-5), 8)
 MUJOCO = Method(MujocoEngine(), ChainSettings(links=8), 8)

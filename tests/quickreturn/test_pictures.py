@@ -105,6 +105,7 @@ def few_frames(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("few_frames")
+@pytest.mark.verify
 def test_a_solution_is_drawn_moving_to_a_picture_or_a_page(tmp_path: Path) -> None:
     solution = qr.simulate(qr.case("thesis-24", duration=0.1), "reference", settings={"modes": 3, "tolerance": 1e-6}, store=False)
     solution.animate(tmp_path / "out.html")

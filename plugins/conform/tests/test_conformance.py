@@ -57,7 +57,7 @@ def tried(engine: AnyEngine, name: str) -> Check:
 #: Mistakes of each kind that take a second: of a column, a quantity, frequencies, the joint, the drive, an arm that turns, a start.
 _QUICK = (
     "strain sign", "force 0.4 rows late", "gauges exchanged", "the base's acceleration reversed", "chord",
-    "follower damping doubled", "preload ignored", "frequencies in rad/s", "weight of the crank turned round",
+    "follower damping doubled", "frequencies in rad/s", "weight of the crank turned round",
     "weight of the slider not in the drive", "folds the angle", "time restarts", "raises in check", "settings_for backwards",
 )  # fmt: skip
 #: Mistake -> what is said of it, where the one rule gives it.

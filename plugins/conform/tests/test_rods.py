@@ -83,6 +83,7 @@ def test_a_rod_is_read_from_less_than_one_vibration() -> None:
     assert float(cause.split("first frequency ")[1].split(",")[0]) == pytest.approx(0.09, rel=1e-3)
 
 
+@pytest.mark.verify
 def test_reference_as_a_rod_is_not_accused() -> None:
     found = tried(alone(ReferenceEngine))
     assert {check.status for check in found.values()} == {"passed"}, found

@@ -186,6 +186,7 @@ def test_an_fmu_that_ends_its_process_takes_nothing_with_it(make: Make, capfd: p
     assert Path("sound.toml.csv").is_file()
 
 
+@pytest.mark.verify
 def test_the_command_simulates_with_settings_of_the_file(make: Make, capfd: pytest.CaptureFixture[str]) -> None:
     assert main(["simulate", "case.toml", "--engine", make(), "--set", "my.toml.step=0.0005", "--output", "out.csv"]) == 0
     assert re.search(r"settings +step 0.0005", capfd.readouterr().out)

@@ -73,6 +73,7 @@ def test_no_run_begins_that_would_end_too_late(truth: Truth, monkeypatch: pytest
     assert clock.ran_out
 
 
+@pytest.mark.verify
 def test_engines_agree_when_the_slider_leaves_the_follower(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("quickreturn.plugins.methods.truth.CONFIRMING", {"mujoco": ({"links": "40"},)})  # a fifth of the usual time
     case = replace(load_case("hard-speed-x3"), duration=0.3)

@@ -71,6 +71,7 @@ def test_settings_that_were_chosen_in_one_scene_show_what_they_are_worth_in_anot
     assert (rows[1]["error"].text, rows[1]["over"].value) == ("failed", None)
 
 
+@pytest.mark.verify
 def test_a_doubtful_solution_is_a_warning_and_without_a_race_there_is_no_chapter() -> None:
     warning = "smaller errors say nothing here"
     assert warning not in text_of(one_run(fronts=made_up_fronts()))

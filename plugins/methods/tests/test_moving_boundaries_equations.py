@@ -120,7 +120,7 @@ def lagrange(model: MovingBoundariesModel) -> Callable[[Array, Array], tuple[Any
     return solved
 
 
-@pytest.mark.parametrize("foreshortening", [False, True])
+@pytest.mark.parametrize("foreshortening", [pytest.param(False, marks=pytest.mark.verify), True])
 def test_equations_are_lagranges(foreshortening: bool) -> None:
     """Relative to the largest acceleration; the force on the tip acts over the whole turn here, its share is 1."""
     force = np.array([3.0, -2.0])

@@ -125,6 +125,7 @@ def test_a_failure_and_a_run_that_would_be_too_long_are_rows(monkeypatch: pytest
     assert of("good").completed
 
 
+@pytest.mark.verify
 def test_a_solution_that_cannot_be_had_is_a_failure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "truth_of", _broken)
     with pytest.raises(EngineFailure, match="the loop cannot close"):

@@ -32,6 +32,7 @@ def made_up(settings: Settings) -> Row:
     return Row(scene="s", engine="e", settings=settings.as_dict(), errors={TIP: error}, solve_seconds=seconds)
 
 
+@pytest.mark.verify
 def test_the_search_comes_near_the_best_of_a_whole_grid() -> None:
     tolerances, stiffnesses = ([10.0 ** (-0.25 * k) for k in range(8, 41)], [10.0 ** (0.25 * k) for k in range(8, 33)])
     grid = [made_up(MadeUp(shapes=n, tolerance=t, stiffness=k, quick=True)) for n in range(2, 16) for t in tolerances for k in stiffnesses]

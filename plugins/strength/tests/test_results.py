@@ -24,6 +24,7 @@ from tests.quickreturn.test_units_of_answers import machine
 from tests.reports.plotted_results import made_up_result
 
 
+@pytest.mark.verify
 def test_run_says_it_in_words_in_json_and_as_a_table() -> None:
     result = made_up_result("example")
     run = result.runs["mujoco"]

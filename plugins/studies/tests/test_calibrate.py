@@ -18,6 +18,7 @@ def table(call: Call) -> str:
     return "table.csv"
 
 
+@pytest.mark.verify
 def test_a_parameter_is_found_and_written(call: Call, table: str) -> None:
     arguments = ("--set", "follower.bending_stiffness=2500 lbf*in^2", "--output", "fitted.toml", "--json")
     answer = call("calibrate", "thesis-24", table, "--free", "follower.bending_stiffness", *arguments)

@@ -204,6 +204,7 @@ class _Interrupted(Exception):
     pass
 
 
+@pytest.mark.verify
 def test_an_interrupted_curve_goes_on_where_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Stopped several times, it evaluates each time at most one piece of cycles anew; the curve has the same bits."""
     monkeypatch.setattr("quickreturn.plugins.studies.resonance_curve.search.PIECE", 3)

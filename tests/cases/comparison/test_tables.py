@@ -139,6 +139,7 @@ def test_an_encoder_whose_zero_is_off_is_told_by_its_angle(settled: pd.DataFrame
     assert not causes(run, steady).open
 
 
+@pytest.mark.verify
 def test_a_softer_arm_is_neither_late_nor_a_factor_and_a_quantity_is_looked_for(steady: Run, recorded: Recorded) -> None:
     softer = changed(CASE.mechanism, {"follower.bending_stiffness": 0.94 * CASE.mechanism.follower.bending_stiffness})
     found = simulate(engine("reference"), softer, standard_start(softer), 12.0, 1e-3, {"modes": "6"}, estimate=False)

@@ -83,6 +83,7 @@ def test_known_frequency_and_amplitude_are_found(plain: CycleMeasures) -> None:
         assert agreed.first_mode_frequency == pytest.approx(frequency, rel=0.005)  # halved by averaging four channels
 
 
+@pytest.mark.verify
 def test_noise_moves_a_number_as_its_gain_says() -> None:
     """Noise of each of the 240 instants by itself moves a number by its gain over the root of 240: in 20 draws, whose scatter is 16 %."""
     scale, speed = scale_of_run(24)

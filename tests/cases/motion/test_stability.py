@@ -143,6 +143,7 @@ def measured_over_claims(mechanism: Mechanism, accuracy: float, names: tuple[str
     return [float(each) for each in ratios[np.isfinite(ratios)]]  # some half cycles resolve no first mode
 
 
+@pytest.mark.verify
 def test_measures_over_a_turn_are_within_claims_that_are_not_much_larger() -> None:
     """Of slow, fast, driven and prescribed machines: a bound by the largest difference of the signals is some 50 times the error."""
     prescribed = scene(17)

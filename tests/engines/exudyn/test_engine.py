@@ -189,6 +189,7 @@ def test_damping_acts_relative_to_the_turning_base_however_far_the_beam_bends():
     assert relative_error(coarse["tip_deflection"], found["tip_deflection"][::10]) < 1e-5
 
 
+@pytest.mark.verify
 def test_damping_leaves_the_turning_of_a_fast_arm_alone():
     """An arm of 9 cm at 380 rpm, its bending damped as by 77 /s: an arm whose whole velocity is braked is bent by that."""
     errors = errors_of(arm(0.09, 27.0, 6e-3, 40.0, 77.0), 0.16, 7, elements=12, step=1.25e-4)
@@ -226,6 +227,7 @@ def test_the_module_without_range_checks_is_loaded_where_the_processor_can() -> 
     assert loaded() == f"exudyn.{name}"
 
 
+@pytest.mark.verify
 def test_who_chooses_a_module_keeps_it() -> None:
     assert loaded("import sys; sys.exudynFast = False") == "exudyn.exudynCPP"
     assert loaded("import exudyn") == "exudyn.exudynCPP"

@@ -60,6 +60,7 @@ def test_stretch_is_estimated_and_cured_by_a_stiffer_cable():
     assert found[16] < 0.3 * found[1]  # measured 1.0e-4 and 4.7e-4; steps and elements leave 7e-5
 
 
+@pytest.mark.verify
 def test_few_elements_are_not_taken_for_a_cable_that_stretches():
     """Run 24's cable stretches little. A softer one shows it with half the elements; a stiffer one of few elements does not."""
     mechanism, rung = run_24(), ExudynSettings(elements=24, newton_tolerance=1e-5)

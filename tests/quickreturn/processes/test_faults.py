@@ -122,6 +122,7 @@ def test_an_engine_that_is_not_installed_is_refused_by_name_and_passed_over_as_o
     assert len(stored(place)) == 1, "an engine may be installed tomorrow"
 
 
+@pytest.mark.verify
 def test_a_simulation_that_is_stopped_at_its_limits_leaves_no_file(place: Path, call: Call) -> None:
     words = {"hangs": "stopped at the time limit of 1.5 s", "hoards": "ran out of memory (memory limit of 0.5 GiB)"}
     for engine, said in words.items():

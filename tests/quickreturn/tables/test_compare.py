@@ -68,6 +68,7 @@ def test_our_own_trajectory_in_other_units_passes(call: Call, file: Path, trajec
     assert Path("picture.png").read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.verify
 def test_a_table_that_departs_is_told_with_its_factor(call: Call, trajectory: pd.DataFrame) -> None:
     trajectory.assign(strain_2=-trajectory["strain_2"]).to_csv("tool.csv", index=False)
     answer = call("compare", "thesis-24", "tool.csv", "--engine", "reference")
@@ -149,6 +150,7 @@ def test_for_a_table_of_another_case_none_is_proposed(call: Call, other: Path) -
     assert case["places"]["tool.csv"]["reference"].keys() == case["differences"]["tool.csv"]["reference"].keys()
 
 
+@pytest.mark.verify
 def test_in_python_a_table_is_told_the_same(call: Call, trajectory: pd.DataFrame) -> None:
     found = qr.compare("thesis-24", trajectory.assign(strain_2=-trajectory["strain_2"]), "reference", quiet=True)
     assert found.passed is False

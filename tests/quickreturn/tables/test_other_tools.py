@@ -128,6 +128,7 @@ def test_the_heading_is_accepted_and_lines_are_readable(call: Call, case: str, t
     assert f"quickreturn compare {case} " in text
 
 
+@pytest.mark.verify
 def test_a_table_of_another_program_is_compared_by_its_mapping(call: Call) -> None:
     call("simulate", "rigid", "--engine", "reference", "--duration", "1 s", "--output", "own.csv")
     heads, *rows = [line.split(",") for line in Path("own.csv").read_text().splitlines()]

@@ -81,6 +81,7 @@ def test_a_damaged_object_is_not_loaded(loop: Entry, damage: object) -> None:
     assert loop.address != LOOP.address
 
 
+@pytest.mark.verify
 def test_an_object_that_refers_to_the_unknown_is_not_loaded(loop: Entry) -> None:
     loop.path.write_bytes(loop.path.read_bytes().replace(b"\n", b" nobody_has_this\n", 1))
     with pytest.raises(KeyError, match="nobody_has_this"):

@@ -13,6 +13,7 @@ def test_the_unchanged_source_agrees(hunt: Hunt) -> None:
     assert max(hunt.exercise(original(hunt.source))) < hunt.tolerance
 
 
+@pytest.mark.verify
 def test_every_term_is_evaluated(hunt: Hunt) -> None:
     """No branch of the equations escapes the states of the checks."""
     refusals = "1"  # of a state that cannot be, in place of -1
@@ -25,5 +26,6 @@ def test_every_mutant_is_caught(hunt: Hunt) -> None:
     assert hunt.survivors(hunt.sites[0]) == []
 
 
+@pytest.mark.verify
 def test_every_equivalent_mutant_still_exists(hunt: Hunt) -> None:
     assert set(hunt.equivalent) <= {(site.function, site.flip) for site in hunt.sites[0]}

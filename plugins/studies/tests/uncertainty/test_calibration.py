@@ -132,6 +132,7 @@ def test_independent_residuals_are_not_smooth_and_a_slow_course_is() -> None:
     assert smooth_part(0.1 * noise + np.sin(np.linspace(0.0, 60.0, 2000))) > 0.95
 
 
+@pytest.mark.verify
 def test_what_a_table_cannot_tell_is_named() -> None:
     """The thickness turns curvature into strain and does nothing else, where the bending stiffness is given: deflections do not tell it."""
     table = table_of({name: computed("reference")[name] for name in ("time", "crank_angle", "tip_deflection")}, "table", CASE.name)

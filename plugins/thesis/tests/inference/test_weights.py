@@ -97,6 +97,7 @@ def test_twenty_invented_machines_lie_in_the_intervals_of_ninety_per_cent() -> N
     assert np.median(narrower) < 0.5 * 0.9 * (1.35 - 0.9)  # the statements tell something
 
 
+@pytest.mark.verify
 def test_the_machine_that_an_opponent_would_invent_is_found() -> None:
     """A stiffer strip with a soft roller after the return and little preload, of which the ring and the halves tell."""
     machine = dict(zip(NAMES, (1.15, 12.0, 200.0, math.sqrt(2.0 / 30.0), 0.1, 1.0, 0.8, 0.5), strict=True))
