@@ -86,7 +86,7 @@ class OneResolution(Engine[R]):
 
 
 #: Integration tolerance over the error of a resolution, and its loosest and tightest value. At 1e-5 the integration alone makes an error of
-#: 7e-4 with ten polynomials (tests/engines/polynomials.py) in a mild scene; in run 24 (3.8e-3) and with four (3.7e-3) it does not show.
+#: 7e-4 with ten polynomials for the tangent's angle in a mild scene; in run 24 (3.8e-3) and with four (3.7e-3) it does not show.
 _TOLERANCE_PER_ERROR: Final = 5e-4
 _LOOSEST, _TIGHTEST = 1e-5, 1e-12
 #: Displacement (rad or m) of a coordinate for the stiffness by differences.

@@ -8,6 +8,7 @@ from quickreturn.cases.files.errors import UnknownColumn as UnknownColumn
 from quickreturn.cases.files.recorded import RecordedTable as RecordedTable
 from quickreturn.cases.files.recorded import read_table as read_table
 from quickreturn.cross_validation import CrossValidation as CrossValidation
+from quickreturn.cross_validation import measures as measures
 from quickreturn.cross_validation import report as report
 from quickreturn.cross_validation import run as run
 from quickreturn.descriptions import list_engines as list_engines
@@ -36,7 +37,6 @@ from quickreturn.plugins.strength.turn import Explanation as Explanation
 from quickreturn.plugins.strength.turn import explain as explain
 from quickreturn.plugins.studies.resonance_curve.resonance import Resonance as Resonance
 from quickreturn.plugins.studies.resonance_curve.resonance import resonance as resonance
-from quickreturn.plugins.studies.sweep.sweeping import measures as measures
 from quickreturn.plugins.studies.sweep.sweeping import sweep as sweep
 from quickreturn.plugins.studies.uncertainty.calibration import calibrate as calibrate
 from quickreturn.plugins.studies.uncertainty.study import uncertainty as uncertainty

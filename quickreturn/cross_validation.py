@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from quickreturn.arguments import AnyCase, AnyEngineOrTable, given_settings, loaded, prepared
+from quickreturn.arguments import AnyCase, AnyEngineOrTable, Listing, given_settings, loaded, prepared
 from quickreturn.cases.comparison.campaign import cross_validate
 from quickreturn.cases.comparison.engines import CaseResult
 from quickreturn.cases.comparison.pair import Difference
@@ -13,6 +13,7 @@ from quickreturn.cases.files.errors import as_written, known_column, nearest_or_
 from quickreturn.cases.files.shown import Cell, Printable
 from quickreturn.cases.motion.catalogue import MEASURES, numbers
 from quickreturn.cases.motion.cycle import EXTREMES, VIBRATION
+from quickreturn.cases.motion.measure import Measure
 from quickreturn.cases.motion.request import Run
 from quickreturn.computing import checked, workshop
 from quickreturn.engines.registry import MAIN
@@ -137,6 +138,11 @@ class CrossValidation(Printable):
     def _parts(self) -> Iterator[Cell]:
         for result in self.results:
             yield from parts_of(result)
+
+
+def measures() -> "Listing[Measure]":
+    """The measures of a settled motion: name, unit, meaning."""
+    return Listing.of(MEASURES.values(), name=lambda each: each.name, unit=lambda each: each.unit, meaning=lambda each: each.meaning)
 
 
 def run(

@@ -43,20 +43,20 @@ cases.running: display job key store workshop
 LARGEST_KERNEL = 8_820
 #: Room -> lines of code at most: blank lines, comments, docstrings and imports do not count, nor do tests.
 BUDGETS = {
-    "reference_model": 5_855,
-    "engines": 4_335,
-    "cases": 5_880,
-    "reports": 2_175,
-    "quickreturn": 1_835,
+    "reference_model": 5_900,
+    "engines": 4_375,
+    "cases": 5_930,
+    "reports": 2_200,
+    "quickreturn": 1_850,
     "pack": 90,
     "plugins/as_built": 305,
     "plugins/conform": 935,
-    "plugins/derive": 1_660,
+    "plugins/derive": 1_665,
     "plugins/fmu": 390,
-    "plugins/methods": 2_150,
+    "plugins/methods": 2_160,
     "plugins/pack": 430,
     "plugins/strength": 1_165,
-    "plugins/studies": 2_025,
+    "plugins/studies": 2_035,
     "plugins/thesis": 1_235,
 }
 

@@ -56,7 +56,7 @@ class Job(Generic[T]):
     # whether it is one of many short jobs whose processes would take longer to start than to compute. A process may do several of them one
     # after the other. A crash or hang loses only its own job and the process.
     brief: bool = False
-    pieces: bool = False  # whether its function takes `records.Pieces` as a last argument; it gets them where there is a store
+    pieces: bool = False  # whether its function takes `store.Pieces` as a last argument; it gets them where there is a store
     points: int = 1  # weight of the job in the display of progress
     lasts: Callable[["Outcome[Any]"], bool] | None = would_repeat  # whether an outcome is stored; None: the store is not used
 

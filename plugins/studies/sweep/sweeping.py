@@ -10,13 +10,12 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from quickreturn import computing
-from quickreturn.arguments import AnyCase, Listing, given_settings, one_case
+from quickreturn.arguments import AnyCase, given_settings, one_case
 from quickreturn.cases.files.case import Case
 from quickreturn.cases.files.errors import CaseError, texts_given
 from quickreturn.cases.files.keys import si_text, unit_given
 from quickreturn.cases.files.shown import Units
 from quickreturn.cases.motion.catalogue import MEASURES, measure
-from quickreturn.cases.motion.measure import Measure
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.computing import checked
 from quickreturn.engines.registry import usable_engine
@@ -34,11 +33,6 @@ USUAL: Final = ("peak.tip_acceleration", "multiplier")
 ERROR: Final = ".error"
 #: Attribute of a varied key: the unit in which its values were given. Its values are in SI.
 GIVEN: Final = "given_in"
-
-
-def measures() -> "Listing[Measure]":
-    """The measures of a study: name, unit, meaning."""
-    return Listing.of(MEASURES.values(), name=lambda each: each.name, unit=lambda each: each.unit, meaning=lambda each: each.meaning)
 
 
 def sweep(
