@@ -13,7 +13,7 @@ from quickreturn.reference_model.beam import tables as beam
 from quickreturn.reference_model.columns import NUMBERS, recorded_columns
 from quickreturn.reference_model.constants import characteristic_frequency, crank_speed_scale, pace
 from quickreturn.reference_model.entries import KERNEL, LINEARISED, OBSERVATIONS, WEIGHED
-from quickreturn.reference_model.integrate import Equations, Integration, Linearisation, dop853, radau
+from quickreturn.reference_model.integrate import STEP_TOO_SMALL, Equations, Integration, Linearisation, dop853, radau
 from quickreturn.reference_model.joint import BASE, CLOSED, ELIMINATED, ROLLERS, SliderConstraint
 from quickreturn.reference_model.mechanism import FollowerAlone, Scene
 from quickreturn.reference_model.motion.layout import BeamParameters, ShapeRow, state_size, workspace
@@ -240,11 +240,23 @@ class BeamModel:
         return Linearisation(LINEARISED.address, WEIGHED.address, p.speeds, p.speeds + 1, p.unknowns)
 
     def integrate(self, y: Array, output_step: float, intervals: int, tolerance: float, first_step: float = 0.0) -> Integration:
-        """States on a uniform grid from the state `y`; see `reference_model.integrate.dop853`, and `implicit.radau`."""
+        """States on a uniform grid from the state `y`; see `reference_model.integrate.dop853` and `radau`.
+
+        Where the loop of a far bent follower loses its determinant (equation 3.4) and gets it back, the motion is smooth and the mass
+        matrix is not. There Radau's steps shrink without end; DOP853's pass, and complete the integration (RADAU.md, section 7).
+        """
         scales = self.error_scales(float(State.of(y).u[0])) * tolerance
         p = self.parameters
         how = output_step, intervals, scales, p.reach, pace(self.scene, p.n), first_step
-        return radau(self.equations, self.linearisation, y, *how) if self.implicit else dop853(self.equations, y, *how)
+        if not self.implicit:
+            return dop853(self.equations, y, *how)
+        found = radau(self.equations, self.linearisation, y, *how)
+        if found.status != STEP_TOO_SMALL:
+            return found
+        rows = len(found.states) - 1
+        rest = dop853(self.equations, found.states[-1], output_step, intervals - rows, *how[2:5])
+        states, ended = np.concatenate([found.states[:-1], rest.states]), rows * output_step + rest.end_time
+        return Integration(states, rest.status, ended, found.calls + rest.calls, rest.next_step)
 
     def observe(self, states: Array) -> dict[str, Array]:
         """Observables of states (k, size), each of shape (k,), by the names in `reference_model.columns`; see `recorded_columns`.

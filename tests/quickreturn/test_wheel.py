@@ -135,7 +135,7 @@ def installed(request: pytest.FixtureRequest, wheel: Path, tmp_path_factory: pyt
         pytest.skip("no newer Python is on the path; name one by the variable PYTHONS")
     folder = tmp_path_factory.mktemp("user")
     subprocess.run([pythons()[request.param], "-m", "venv", folder / "venv"], check=True, cwd=folder, env=clean())
-    pip = [folder / "venv/bin/python", "-m", "pip", "install", "--quiet", "--constraint", ROOT / "constraints.txt", wheel]
+    pip = [folder / "venv/bin/python", "-m", "pip", "install", "--quiet", "--constraint", ROOT / "constraints.txt", f"{wheel}[plot]"]
     found = subprocess.run(pip, cwd=folder, env=clean(), capture_output=True, text=True, check=False)
     assert found.returncode == 0, found.stderr
     return folder / "venv/bin"
