@@ -62,7 +62,7 @@ SIGNALS: Final = {
     "strain_3": Look(*_OLIVE, 2.6, (5.0, 5.0), order=4, marker="triangle-down"),
     "slider_force": Look(*_PURPLE, 2.6, (2.0, 4.0), order=5, marker="star"),
 }
-#: Looks of a resonance curve: its parts, its and special points.
+#: Looks of a resonance curve: its parts and special points.
 RESONANCE: Final = {
     "stable": Look(*_BLUE, 3.4, order=1),
     "unstable": Look(*_VERMILION, 3.0, (6.0, 4.0), order=2),

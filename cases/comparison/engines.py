@@ -78,10 +78,7 @@ class CaseResult:
             if len(self.runs) == 1:
                 return "nothing to compare with: one engine alone"
             return "; ".join(
-                [
-                    "nothing to compare with",
-                    *(f"{name}: {not_judged(run) or 'alone with its claims'}" for name, run in self.runs.items()),
-                ]
+                ["nothing to compare with", *(f"{name}: {not_judged(run) or 'alone with its claims'}" for name, run in self.runs.items())]
             )
         if self.passed is None:
             return f"all {len(self.checks)} comparisons say nothing: what is claimed is more than {SAYS_NOTHING}"

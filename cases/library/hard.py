@@ -80,11 +80,7 @@ SCENES: Final = MappingProxyType(
         "hard-gravity": Variation(
             "gravity along -n2, crank balanced about O with the same inertia",
             # 0.1 lbf s²/in x (3 in)² + 4.0e-4 lbf s² in: run 24's inertia about O
-            {
-                "mechanism.gravity": ["0 m/s^2", "-9.81 m/s^2"],
-                "crank.center_of_mass": "0 in",
-                "crank.inertia": "0.9004 lbf*s^2*in",
-            },
+            {"mechanism.gravity": ["0 m/s^2", "-9.81 m/s^2"], "crank.center_of_mass": "0 in", "crank.inertia": "0.9004 lbf*s^2*in"},
         ),
         "hard-prescribed-speed": Variation("crank speed prescribed", {"crank.prescribed_speed": "16.617773 rad/s"}),
         "hard-start-at-0deg": Variation("start in the quick return", {"crank.initial_angle": "0 deg"}),
@@ -103,7 +99,7 @@ SCENES: Final = MappingProxyType(
 IMPOSSIBLE: Final = MappingProxyType(
     {
         "hard-crank-7.5in": 'hard-crank-7.5in: crank.length: "7.5 in" cannot be: the slider leaves the follower: pivot_distance +'
-        " crank.length = 0.6477 m must not exceed follower.length = 0.635 m",
+        " crank.length = 0.6477 m must not exceed follower.length = 0.635 m"
     }
 )
 

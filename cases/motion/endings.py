@@ -53,10 +53,7 @@ _MEANINGS: Final[Mapping[Ending, tuple[str, bool]]] = MappingProxyType(
             "reached its steady state, but its own estimate misses the accuracy asked; its numbers are used and marked",
             True,
         ),
-        Ending.NOT_SETTLED: (
-            "did not repeat from cycle to cycle within the number of cycles allowed; its numbers are not used",
-            False,
-        ),
+        Ending.NOT_SETTLED: ("did not repeat from cycle to cycle within the number of cycles allowed; its numbers are not used", False),
         Ending.FAILED: ("broke down, crashed or was stopped at a limit; its numbers are not used", False),
         Ending.REFUSED: ("says that it cannot model this scene", False),
         Ending.UNAVAILABLE: ("cannot be used on this machine", False),

@@ -155,10 +155,7 @@ def stability_of(mechanism: Mechanism, state: "FoundOrbit", settings: ReferenceS
 
 
 def compared_orbits(
-    mechanism: Mechanism,
-    state: "FoundOrbit",
-    settings: ReferenceSettings,
-    found: Callable[[Settings], SteadyState | None] | None = None,
+    mechanism: Mechanism, state: "FoundOrbit", settings: ReferenceSettings, found: Callable[[Settings], SteadyState | None] | None = None
 ) -> "list[Compared[FoundOrbit]]":
     """A periodic state beside those of the models with which `reference` compares it for its error estimate.
 

@@ -55,9 +55,7 @@ class Cluster:
         """See `cases.running.job.Executor`; `watch` is not called, because the workers do not report their progress."""
         executor = self._client.get_executor(pure=False)
         yield from computed(
-            lambda job: executor.submit(_on_worker, job, key_of(job), self.limits),
-            jobs,
-            partial(executor.shutdown, wait=False),
+            lambda job: executor.submit(_on_worker, job, key_of(job), self.limits), jobs, partial(executor.shutdown, wait=False)
         )
 
     def __enter__(self) -> "Cluster":

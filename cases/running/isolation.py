@@ -226,9 +226,7 @@ def available_cores() -> int:
 
 
 def computed(
-    submit: Callable[[Job[V]], "Future[Outcome[V]]"],
-    jobs: Sequence[Job[V]],
-    cancel: Callable[[], object] = lambda: None,
+    submit: Callable[[Job[V]], "Future[Outcome[V]]"], jobs: Sequence[Job[V]], cancel: Callable[[], object] = lambda: None
 ) -> Generator[Outcome[V], None, None]:
     """Outcomes as they come from the executor behind `submit`.
 
@@ -267,11 +265,7 @@ class LocalProcesses:
     """
 
     def __init__(
-        self,
-        at_once: int | None = None,
-        limits: Limits | None = None,
-        preload: Sequence[str] = PRELOAD,
-        quiet: bool = True,
+        self, at_once: int | None = None, limits: Limits | None = None, preload: Sequence[str] = PRELOAD, quiet: bool = True
     ) -> None:
         if at_once is not None and at_once < 1:
             raise ValueError(f"jobs={at_once}: at least 1 is needed")

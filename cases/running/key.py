@@ -135,11 +135,7 @@ _RECORDS: Final = "quickreturn.cases.running.store"
 #: Module that takes measures from plugins: what imports it depends on their code as well.
 _MEASURES: Final = "quickreturn.cases.motion.of_turn"
 #: Packages and modules that start jobs, write files, or show results and progress: no result depends on them.
-ONLY_TALK: Final = (
-    "quickreturn.cases.running",
-    "quickreturn.cases.files.shown",
-    "quickreturn.engines.progress",
-)
+ONLY_TALK: Final = ("quickreturn.cases.running", "quickreturn.cases.files.shown", "quickreturn.engines.progress")
 
 #: Libraries that compute; an engine's own library is named by `Engine.version`.
 LIBRARIES: Final = ("numpy", "scipy", "numba")

@@ -5,8 +5,4 @@ from quickreturn.plugins.methods.chapters.hard import hard_scenes
 from quickreturn.plugins.methods.chapters.methods import fastest_figure, methods
 from quickreturn.reports.page.part import Part
 
-PAGE = Part(
-    chapters={methods: 50, classes: 51, hard_scenes: 53},
-    templates=("quickreturn.plugins.methods",),
-    figure=fastest_figure,
-)
+PAGE = Part(chapters={methods: 50, classes: 51, hard_scenes: 53}, templates=("quickreturn.plugins.methods",), figure=fastest_figure)

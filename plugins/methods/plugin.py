@@ -13,10 +13,7 @@ PLUGIN = Plugin(
         "nodal-load": f"{_HERE}.rivals.nodal_load:ENGINE",
         "moving-boundaries": f"{_HERE}.rivals.moving_boundaries:MovingBoundariesEngine",
     },
-    commands={
-        "benchmark": (f"{_HERE}.commands:benchmark", _BENCHMARK),
-        "advise": (f"{_HERE}.commands:advise", _ADVISE),
-    },
+    commands={"benchmark": (f"{_HERE}.commands:benchmark", _BENCHMARK), "advise": (f"{_HERE}.commands:advise", _ADVISE)},
     page=f"{_HERE}.page:PAGE",
     records={
         "benchmark": f"{_HERE}.studies:front_rows",

@@ -10,7 +10,7 @@ PLUGIN = Plugin(
         "explain": (
             f"{_HERE}.commands:explain",
             "Say in about ten sentences what happens in a turn of CASE in its steady state, with numbers.",
-        ),
+        )
     },
     page=f"{_HERE}.page:PAGE",
 )

@@ -40,14 +40,7 @@ def next_finding(failures: int, departing: Sequence[str]) -> str:
 
 #: Chapters of the core with their ranks, by which the page orders them, and those of plugins: first the user's own machine, and the next
 #: steps; a chapter of a subject may have another rank there (`Content.ranks`).
-CHAPTERS: Final[Mapping[MakeChapter, float]] = {
-    run_by_run: 20,
-    runs: 21,
-    recorded: 22,
-    next_steps: 30,
-    agreement: 40,
-    provenance: 90,
-}
+CHAPTERS: Final[Mapping[MakeChapter, float]] = {run_by_run: 20, runs: 21, recorded: 22, next_steps: 30, agreement: 40, provenance: 90}
 
 
 def chapters_of(content: Content) -> Iterator[Chapter]:

@@ -288,14 +288,7 @@ class Search:
         return f"{' with '.join(parts)} (changes the columns by {100.0 * shown:.2g} % of their RMS)"
 
 
-def calibrate(
-    case: AnyCase,
-    table: AnyTable,
-    free: str | Sequence[str],
-    *,
-    limits: "Limits | None" = None,
-    quiet: bool = False,
-) -> Fit:
+def calibrate(case: AnyCase, table: AnyTable, free: str | Sequence[str], *, limits: "Limits | None" = None, quiet: bool = False) -> Fit:
     """Find the parameters with which `reference` is closest to a recorded table, and how well the table determines them.
 
     Args:

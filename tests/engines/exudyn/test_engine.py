@@ -220,7 +220,6 @@ def loaded(before: str = "", **environment: str) -> str:
     return subprocess.run(command, env=inherited | environment, capture_output=True, text=True, check=True).stdout.strip()
 
 
-@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="processors are told apart by what Linux says of them")
 def test_the_module_without_range_checks_is_loaded_where_the_processor_can() -> None:
     with open("/proc/cpuinfo") as processors:
         name = "exudynCPPfast" if "avx2" in processors.read() else "exudynCPP"

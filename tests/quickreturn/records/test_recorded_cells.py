@@ -26,12 +26,11 @@ from quickreturn.plugins.conform.records import ConformanceRow
 from quickreturn.plugins.methods import studies as of_methods
 from quickreturn.plugins.methods.asked import asked
 from quickreturn.plugins.methods.groups import case_of
-from quickreturn.plugins.methods.row import Row, errors_of
+from quickreturn.plugins.methods.row import TOO_SLOW, Row, errors_of
 from quickreturn.plugins.methods.truth import run_of, truth_of
-from quickreturn.plugins.thesis import records as of_the_thesis
 from quickreturn.plugins.thesis.inference import study as finding
-from quickreturn.plugins.thesis.sharpness import SIZES, planted
-from quickreturn.plugins.thesis.starts import starts
+from quickreturn.plugins.thesis.sharpness import SIZES, Planted, planted
+from quickreturn.plugins.thesis.starts import Start, starts
 from quickreturn.record import confirm
 from quickreturn.reports import long_studies
 from quickreturn.reports.long_studies import studies, table
@@ -90,10 +89,10 @@ def hard_scenes(draw: Draw, workshop: Workshop) -> None:
     for found in draw([each for each in of_methods.recorded("hard_scenes") if each.duration < LONGEST]):
         case = load_case(found.case)
         truth = truth_of(case)
-        for recorded in found.rows:
+        for recorded in (row for row in found.rows if row.status != TOO_SLOW):  # for this machine is another thing
             again = asked(engine(recorded.engine), case, of_methods.REQUESTED, truth)
-            assert again.status == recorded.status, recorded
-            if recorded.claim is not None:
+            assert again.status in (recorded.status, TOO_SLOW), recorded
+            if again.status != TOO_SLOW and recorded.claim is not None:
                 assert again.claim == pytest.approx(recorded.claim, rel=0.5), recorded
 
 
@@ -123,7 +122,7 @@ def classes(draw: Draw, workshop: Workshop) -> None:
 
 def finding_of_the_thesis(draw: Draw, workshop: Workshop) -> None:
     """The ratio of the thesis' frequency to a machine's after the return, in a run."""
-    known = {row.machine: dict(zip(finding.RUNS, row.post, strict=True)) for row in of_the_thesis.finding()}
+    known = {row.machine: dict(zip(finding.RUNS, row.post, strict=True)) for row in table("finding", finding.Row)}
     for machine, run in draw([(machine, run) for machine, of_runs in known.items() for run in of_runs if of_runs[run] is not None]):
         (orbit,) = orbits([run_case(run).mechanism], workshop)
         assert orbit.begin is not None
@@ -136,7 +135,7 @@ def finding_of_the_thesis(draw: Draw, workshop: Workshop) -> None:
 
 def planted_errors(draw: Draw, workshop: Workshop) -> None:
     """The sizes from which on errors in a run are found; another machine's rounding may move one by a step."""
-    known = {(row.engine, row.error): dict(zip(row.runs, row.found, strict=True)) for row in of_the_thesis.planted()}
+    known = {(row.engine, row.error): dict(zip(row.runs, row.found, strict=True)) for row in table("planted", Planted)}
     for run in draw(sorted(RUNS)):
         for row in planted(workshop, [run]):
             recorded = known[row.engine, row.error][run]
@@ -146,7 +145,7 @@ def planted_errors(draw: Draw, workshop: Workshop) -> None:
 
 def other_starts(draw: Draw, workshop: Workshop) -> None:
     """The cycles of a run from other starts lie within the claims where the recorded ones do."""
-    known = {(row.engine, row.start): row for row in of_the_thesis.starts()}
+    known = {(row.engine, row.start): row for row in table("starts", Start)}
     for run in draw(sorted(RUNS)):
         for row in starts(workshop, [run]):
             recorded = known[row.engine, row.start]

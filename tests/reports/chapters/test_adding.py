@@ -48,11 +48,11 @@ for case in ("example", "thesis-24"):
 """
 
 
-def insert(file: Path, line: str, after: str) -> None:
-    """Insert a line after another one."""
-    text = file.read_text()
-    assert text.count(after) == 1
-    file.write_text(text.replace(after, after + line))
+def insert(file: Path, text: str, after: str) -> None:
+    """Insert a text after another one."""
+    written = file.read_text()
+    assert written.count(after) == 1
+    file.write_text(written.replace(after, after + text))
 
 
 @pytest.mark.verify
@@ -62,7 +62,7 @@ def test_a_chapter_needs_a_module_a_template_and_its_name_in_one_file(tmp_path: 
     (package / "reports/chapters/speeds.html").write_text(TEMPLATE)
     chapters, imported = package / "reports/page/chapters.py", "from quickreturn.reports.chapters.{0} import {0}\n"
     insert(chapters, imported.format("speeds"), after=imported.format("recorded"))
-    insert(chapters, "    speeds: 15,\n", after="    run_by_run: 20,\n")
+    insert(chapters, "speeds: 15, ", after="CHAPTERS: Final[Mapping[MakeChapter, float]] = {")
 
     environment = os.environ | {"PYTHONPATH": os.pathsep.join((str(package.parent), str(ROOT / "build/tests-alone")))}
     told = subprocess.run([sys.executable, "-c", WRITE], env=environment, cwd=tmp_path, capture_output=True, text=True, check=False)
