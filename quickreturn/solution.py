@@ -146,20 +146,21 @@ class Solution(Printable):
         return curves({self.engine: self.trajectory.columns}, columns, title=f"{self.case.name}: {self.case.title}", units=self.case.units)
 
     def animate(self, path: "str | os.PathLike[str]", magnify: float | None = None) -> None:
-        """Write a moving picture: a .webp of the last turn, or a .html page.
+        """Write a moving picture: a .webp, a .gif or, by ffmpeg, an .mp4 of the last turn, or a .html page.
 
         Args:
             path: of the file.
-            magnify: factor of the deflection in a .webp; None: a round factor that makes the deflection visible.
+            magnify: factor of the deflection in a picture; None: a round factor that makes the deflection visible.
 
         Raises:
             OutputError: another ending, or it cannot be written.
             UnknownColumn: the engine does not give the follower's shape.
-            CaseError: a page was asked for, and the case has no crank.
+            CaseError: a page was asked for, and the case has no crank; or ffmpeg is missing.
         """
         from quickreturn.reports.drawing.mechanism import moving
+        from quickreturn.reports.output import MOVING
 
-        check_writable(place := Path(path), "", ".webp", ".html")
+        check_writable(place := Path(path), "", *MOVING)
         write_file(place, moving(self.case, {self.engine: self.trajectory}, place.suffix.lower(), magnify))
 
     def rows(self, kept: str = "", notes: str = "its `notes`") -> Iterator[tuple[str, Cell]]:

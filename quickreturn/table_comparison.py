@@ -267,12 +267,13 @@ def difference(ours: AnyTable, theirs: AnyTable) -> Differences:
         CaseError: a table cannot be read; the tables have no column in common, or rows at different instants. One table may have more rows
             than the other, between its rows and beyond them.
     """
-    our_columns, their_columns = as_table(ours, "ours").columns, as_table(theirs, "theirs").columns
+    our_table, their_table = as_table(ours, "ours"), as_table(theirs, "theirs")
+    our_columns, their_columns = our_table.columns, their_table.columns
     names = [name for name in COLUMNS if name in our_columns and name in their_columns and name != "time"]
     if not names:
-        columns = f"ours holds {', '.join(our_columns)}, theirs {', '.join(their_columns)}"
+        columns = f"{our_table.name} holds {', '.join(our_columns)}, {their_table.name} {', '.join(their_columns)}"
         raise CaseError("difference", None, None, "the two tables have no column in common but the time", columns)
-    rows, other_rows = _common_rows(our_columns["time"], their_columns["time"])
+    rows, other_rows = _common_rows(our_table, their_table)
     absolute = {name: rms(our_columns[name][rows] - their_columns[name][other_rows]) for name in names}
     compared = {name: values[other_rows] for name, values in their_columns.items()}
     relative = {name: _over(absolute[name], scale(name, compared)) for name in names}
@@ -320,14 +321,15 @@ def _is_time(heading: Any) -> bool:
     return str(heading).partition("[")[0].partition("(")[0].strip() == "time"
 
 
-def _common_rows(our_times: Array, their_times: Array) -> tuple[Places, Places]:
+def _common_rows(ours: RecordedTable, theirs: RecordedTable) -> tuple[Places, Places]:
     """Indices of the rows at the same instants, as many in each. CaseError: where both have rows, neither has all instants of the other."""
+    our_times, their_times = ours.columns["time"], theirs.columns["time"]
     overlap = max(our_times[0], their_times[0]), min(our_times[-1], their_times[-1])
     near = _SAME_INSTANT * min(float(np.min(np.diff(times), initial=np.inf)) for times in (our_times, their_times))
     rows, other_rows = (np.flatnonzero((times >= overlap[0] - near) & (times <= overlap[1] + near)) for times in (our_times, their_times))
     if min(len(rows), len(other_rows)) < 2:
-        ranges = f"ours goes from {our_times[0]:g} to {our_times[-1]:g} s, theirs from {their_times[0]:g} to {their_times[-1]:g} s"
-        raise CaseError("difference", "time", None, "the two tables have fewer than two rows in common", ranges)
+        ranges = (f"{each.name} goes from {each.columns['time'][0]:g} to {each.columns['time'][-1]:g} s" for each in (ours, theirs))
+        raise CaseError("difference", "time", None, "the two tables have fewer than two rows in common", ", ".join(ranges))
     if len(rows) <= len(other_rows):
         return rows, other_rows[_nearest(our_times[rows], their_times[other_rows], near)]
     return rows[_nearest(their_times[other_rows], our_times[rows], near)], other_rows

@@ -23,8 +23,11 @@ EXTRAS: Final = {
     "plot": {"matplotlib": "matplotlib", "PIL": "pillow"},
     "tables": {name: name for name in ("xarray", "h5netcdf", "h5py", "pyarrow")},
 }
+#: Endings of pictures, and of moving ones.
+PICTURES: Final = (".png", ".svg", ".pdf", ".webp")
+MOVING: Final = (".webp", ".gif", ".mp4", ".html")
 #: Ending of a file -> the extra that writes it.
-WRITTEN_BY: Final = {**dict.fromkeys((".png", ".svg", ".pdf", ".webp"), "plot"), **dict.fromkeys((".nc", ".parquet"), "tables")}
+WRITTEN_BY: Final = {**dict.fromkeys((*PICTURES, ".gif", ".mp4"), "plot"), **dict.fromkeys((".nc", ".parquet"), "tables")}
 
 
 class OutputError(ToldError):

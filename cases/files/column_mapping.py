@@ -199,9 +199,8 @@ def columns_used(written: TableText, mapping: ColumnMapping) -> tuple[list[UsedC
             (unknown if is_unknown else ignored).append(heading or f"column {number}")
             continue
         if any(target.column == other.target.column for other in used):
-            raise CaseError(
-                shown, written.place, as_written(heading), f"gives {target.column} a second time", "keep one of the two columns"
-            )
+            accepted = f'ignore one of the two and, for another rate, its columns: --column "{number} = -"'
+            raise CaseError(shown, written.place, as_written(heading), f"gives {target.column} a second time", accepted)
         unit = unit if target.unit is None else target.unit
         factor = 1.0 if unit is None else unit_factor(shown, f"{written.place}, {target.column}", _si_unit(target.column), unit)
         used.append(UsedColumn(place, replace(target, unit=unit), factor))

@@ -3,12 +3,15 @@
 Separator, decimal sign, comment lines, headings in the last comment and a row of units are recognised; a `Form` states what is not.
 """
 
+import contextlib
 import csv
 import math
 import re
 from array import array
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from datetime import date, datetime, time, timedelta
 from typing import Final
 
 import numpy as np
@@ -68,6 +71,8 @@ class Numbers:
     decimal: str  # the decimal sign
     lines: Sequence[int]  # the line of each row, counted from 1
     lacking: int  # number of rows that are left out, since a cell is empty or "nan"
+    emptiest: str  # name of the column in which most of these lack a number; "" if none is left out
+    dated: bool  # whether the rising column has dates or times of day, which are counted in seconds from the first one
 
 
 @dataclass(frozen=True)
@@ -95,13 +100,14 @@ class TableText:
         Args:
             names: of the columns, for messages.
             places: of the columns, counted from 0.
-            rising: name of the column that must rise.
+            rising: name of the column that must rise; dates and times of day (ISO 8601) are counted in seconds from the first one.
             doubled: whether it may have the same value in two rows.
 
         Raises:
             CaseError: the first mistake.
         """
-        values, lines, lacking, before, width = array("d"), list[int](), 0, -math.inf, self.width
+        values, lines, before, width = array("d"), list[int](), -math.inf, self.width
+        left_out, empty, begin = 0, Counter[str](), None
         decimal, rises = self.decimal or _decimal(self.source, self.rows, self.advice), names.index(rising)
         swap = str.maketrans(",.", ".,") if decimal == "," else {}
         for number, line in self.rows:
@@ -112,21 +118,29 @@ class TableText:
                 problem = f"has cells of {len(cells)} columns, the headings are those of {width}"
                 raise CaseError(self.source, f"line {number}", f'"{shortened(line)}"', problem, self.advice)
             row = [_number(cells[place], swap) for place in places]
+            if math.isinf(row[rises]) and (instant := _instant(cells[places[rises]])) is not None:
+                begin = begin or instant
+                row[rises] = (instant - begin).total_seconds()
             for name, place, value in zip(names, places, row, strict=True):
                 if math.isinf(value):
                     accepted = f"leave out the row or the column, or {self.advice}"
                     raise CaseError(self.source, f"line {number}, {name}", as_written(cells[place]), "is no plain number", accepted)
             if math.isnan(sum(row)):
-                lacking += 1
+                left_out += 1
+                empty.update(name for name, value in zip(names, row, strict=True) if math.isnan(value))
                 continue
             if row[rises] < before or (row[rises] == before and not doubled):
                 raise does_not_rise(self.source, f"line {number}, {rising}", row[rises])
             before = row[rises]
             values.extend(row)
             lines.append(number)
+        emptiest = max(empty, key=empty.__getitem__, default="")
+        if not lines and emptiest:
+            accepted = f'ignore a column of another rate, such as --column "{emptiest} = -"'
+            raise CaseError(self.source, None, None, "has an empty cell in each of its rows", accepted)
         if not lines:
             raise CaseError(self.source, None, None, "has no rows below its headings", "a whole turn of the crank is needed")
-        return Numbers(np.frombuffer(values).reshape(-1, len(names)), decimal, lines, lacking)
+        return Numbers(np.frombuffer(values).reshape(-1, len(names)), decimal, lines, left_out, emptiest, begin is not None)
 
 
 def table_text(source: str, text: str, form: Form = PLAIN, advice: str = ADVICE) -> TableText:
@@ -192,6 +206,16 @@ def _number(cell: str, swap: Mapping[int, int]) -> float:
         return math.inf
 
 
+def _instant(cell: str) -> datetime | None:
+    """The date, or time of day, in a cell; None if it is neither."""
+    with contextlib.suppress(ValueError):
+        instant = datetime.fromisoformat(cell)
+        return (instant - (instant.utcoffset() or timedelta())).replace(tzinfo=None)
+    with contextlib.suppress(ValueError):
+        return datetime.combine(date.min, time.fromisoformat(cell).replace(tzinfo=None))
+    return None
+
+
 def _decimal(source: str, rows: Sequence[tuple[int, str]], advice: str) -> str:
     """The decimal sign of numbers that no commas separate. CaseError: it may be either."""
     commas = [(number, match[0]) for number, line in rows if "," in line and (match := _COMMA.search(line))]
@@ -223,7 +247,7 @@ def name_and_unit(heading: str) -> tuple[str, str | None]:
 
 def unit_factor(source: str, place: str, si_unit: str, unit: str) -> float:
     """The SI value of a unit in a heading, for a column whose SI unit is `si_unit`. CaseError: no such unit, or one that means two."""
-    others, unit = _OTHER_UNITS.get(si_unit, {}), unit.translate(_PRINTED)
+    others, unit = _OTHER_UNITS.get(si_unit, {}), re.sub(r"(?<=\w) (?=\w)", "*", unit).translate(_PRINTED)
     if unit in _TWO_MEANINGS:
         raise CaseError(source, place, as_written(unit), "can be read in two ways", _TWO_MEANINGS[unit])
     if unit in others:

@@ -19,7 +19,7 @@ from quickreturn.cases.files.column_mapping import IGNORED, ColumnMapping, Targe
 from quickreturn.cases.files.errors import CaseError, as_written, path_shown, printable
 from quickreturn.cases.files.instants import gaps, single_instants
 from quickreturn.cases.files.number_rows import Form, TableText, does_not_rise, table_text
-from quickreturn.cases.files.text_file import read_table_text
+from quickreturn.cases.files.text_file import OF_COLUMNS, read_table_text
 from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import COLUMNS
 
@@ -70,7 +70,7 @@ class RecordedTable:
 
 def is_table(name: str) -> bool:
     """Whether the name given for an engine is the path of a recorded table."""
-    return name.lower().endswith(".csv")
+    return name.lower().endswith((".csv", *OF_COLUMNS))
 
 
 def read_table(
@@ -108,6 +108,7 @@ def read_table(
     found = written.numbers([*by_name], [each.place for each in used], "time", doubled=True)
     numbers = dict(zip(by_name, found.values.T, strict=True))
     sizes = {name: each.factor / each.target.factor for name, each in by_name.items()}
+    sizes["time"] = 1.0 if found.dated else sizes["time"]
     seconds = sizes["time"] * (numbers["time"] - by_name["time"].target.offset)
     values = {name: sizes[name] * (numbers[name] - target.offset - target.drift * seconds) for name, (_, target, _) in by_name.items()}
 
@@ -116,7 +117,9 @@ def read_table(
 
     table = _table(printable(os.path.basename(path)), path, values, declared, refusal)
     told = [*written.told, *["decimal comma"] * (found.decimal == ","), *([f"columns by {mapping.file}"] if mapping.file else [])]
-    told += [f"{found.lacking:,} row{'s' * (found.lacking > 1)} with an empty cell left out"] if found.lacking else []
+    told += ["dates counted from the first row"] * found.dated
+    if found.lacking:
+        told.append(f"{found.lacking:,} row{'s' * (found.lacking > 1)} with an empty cell left out, most for {found.emptiest}")
     told += [f"{name} made continuous" for name in sorted(table.unwrapped)]
     told += table.noted
     texts = {name: (_text(written, each), sizes[name]) for name, each in by_name.items()}
@@ -192,7 +195,9 @@ def table_of(columns: Mapping[str, ArrayLike], name: str = "table", case: str | 
 def _numbers(name: str, column: str, given: ArrayLike) -> Array:
     """A column as numbers. CaseError: a cell holds none."""
     cells = np.asarray(given)
-    cells = cells.astype(str) if cells.dtype.kind in "mM" else cells  # dates, which numpy would turn into nanoseconds
+    if cells.dtype.kind in "mM":  # durations and dates, which numpy would turn into nanoseconds
+        origin = cells[:1] if cells.dtype.kind == "M" else np.timedelta64(0)
+        cells = (cells - origin) / np.timedelta64(1, "s") if column == "time" else cells.astype(str)
     try:
         numbers = np.asarray(cells, dtype=np.float64)
     except (TypeError, ValueError):

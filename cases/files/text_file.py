@@ -2,6 +2,8 @@
 
 import codecs
 import contextlib
+import io
+import json
 import os
 import re
 import stat
@@ -9,10 +11,15 @@ import tomllib
 from collections.abc import Sequence
 from itertools import islice
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from quickreturn.cases.files.errors import CaseError, as_written, path_shown, similar_name
 
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: Endings of files of columns that are no text tables: what pandas and xarray write.
+OF_COLUMNS: Final = (".parquet", ".nc", ".json")
 #: Largest number of entries of a folder that are searched; a user's own folder has fewer.
 _MOST_ENTRIES: Final = 10_000
 
@@ -40,8 +47,19 @@ def read_text(
 
 
 def read_table_text(path: str, what: str, largest: int) -> str:
-    """The text of a table of any program: in UTF-8, UTF-16 with its byte order mark, or Windows-1252. CaseError: as of `read_text`."""
+    """The text of a table of any program: in UTF-8, UTF-16 with its byte order mark, or Windows-1252. CaseError: as of `read_text`.
+
+    A file of columns (`OF_COLUMNS`) is given as the text of a CSV table with all digits.
+    """
     content = _content(path, what, largest)
+    if (ending := Path(path).suffix.lower()) in OF_COLUMNS:
+        try:
+            return str(_frame(io.BytesIO(content), ending).to_csv(index=False))
+        except ImportError as missing:
+            raise CaseError(path_shown(path), None, None, f"cannot be read ({missing})", "install quickreturn[tables]") from None
+        except Exception as wrong:  # of any of the libraries
+            problem = f"is no {ending} of columns ({str(wrong).partition(chr(10))[0]})"
+            raise CaseError(path_shown(path), None, None, problem, "columns of one length are accepted, time among them") from None
     is_wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     for encoding in ("utf-16",) if is_wide else ("utf-8-sig", "cp1252"):
         with contextlib.suppress(UnicodeDecodeError):
@@ -49,6 +67,23 @@ def read_table_text(path: str, what: str, largest: int) -> str:
             if "\0" not in text:
                 return text
     raise CaseError(path_shown(path), None, None, "is no text, but a program's own binary form", "export it as plain text, such as CSV")
+
+
+def _frame(file: io.BytesIO, ending: str) -> "pd.DataFrame":
+    """The columns of a parquet file, a JSON document, or a netCDF file of one dimension, whose units come into the headings."""
+    import pandas as pd
+
+    if ending == ".parquet":
+        return pd.read_parquet(file)
+    if ending == ".json":
+        return pd.DataFrame(json.load(file))
+    import xarray as xr
+
+    with xr.open_dataset(file, engine="h5netcdf", decode_timedelta=False) as data:
+        if len(data.sizes) != 1:
+            raise ValueError(f"its dimensions are {', '.join(map(str, data.sizes))}")
+        units = {name: f"{name} [{each.attrs['units']}]" for name, each in data.variables.items() if "units" in each.attrs}
+        return data.to_dataframe().reset_index().rename(columns=units)
 
 
 def _content(path: str, what: str, largest: int, library: Sequence[str] = ()) -> bytes:

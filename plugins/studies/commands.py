@@ -9,10 +9,10 @@ import click
 import quickreturn as qr
 from quickreturn.commands import options
 from quickreturn.commands.console import Call, ExitCode, check_file, tell, tell_slow, write
-from quickreturn.commands.options import PICTURES
 from quickreturn.computing import workshop
 from quickreturn.dataset import dataset_file, table_file
 from quickreturn.engines.settings import SettingError
+from quickreturn.reports.output import PICTURES
 
 DATASETS: Final = (".nc", ".csv", ".parquet")
 TABLES: Final = (".csv", ".parquet")

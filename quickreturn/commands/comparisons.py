@@ -1,13 +1,15 @@
 """`quickreturn run`, `compare`, `report` and `check`: settled engines and recorded tables, compared by what they claim."""
 
+import functools
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import click
 
 from quickreturn.cases.files.errors import as_written
+from quickreturn.cases.files.recorded import is_table
 from quickreturn.cases.motion.endings import Ending
 from quickreturn.commands import options
 from quickreturn.commands.console import Call, ExitCode, check_file, tell, tell_slow, write
@@ -49,7 +51,7 @@ def run(call: Call) -> int:
 
 
 @options.command(
-    options.case,
+    functools.partial(options.case, metavar="[CASE]"),
     click.argument("files", metavar="FILE...", nargs=-1, required=True),
     options.engines_for(help="Engine to compare with; may be given again. Default: the four main engines."),
     options.accuracy,
@@ -66,21 +68,24 @@ def run(call: Call) -> int:
     options.json,
 )
 def compare(call: Call, files: Sequence[str], writes_mapping: bool, **reading: Any) -> int:
-    """Measure recorded tables of CASE and compare them with engines.
+    """Measure recorded tables of CASE and compare them with engines; or compare FILE with another FILE, column by column.
 
     A FILE is a table with `time` and any columns of a trajectory, units in the headings ("tip_deflection [mm]"; none: SI), from another
     tool, an earlier version or a test rig. Separator, decimal sign, comments and a row of units are recognised; --separator, --decimal and
     --skip say what is not, --column names the columns of other programs. `quickreturn show CASE --for-other-tools` says what to record. A
     table that begins in the standard start and has not settled is compared with the engines in the same turn of the crank, any other table
-    in the steady state.
+    in the steady state. Of two files without a CASE the rows at the same instants are compared, the second one counts as right, and nothing
+    is judged.
 
     The only claim for a table is the uncertainty of its measures. Exit code 1: it departs from an engine by more than this uncertainty and
     the engine's own estimate. Exit codes 2 and 3 are those of `run`.
     """
-    loaded = call.case()
-    call.refuse_missing()
     if writes_mapping:
         return options.write_mapping(files, reading)
+    if is_table(call.cases[0]):
+        return _two_tables(call, [*call.cases, *files], reading)
+    loaded = call.case()
+    call.refuse_missing()
     check_file(call.output, loaded.source, PICTURES)
     from quickreturn.cases.files.shown import in_lines
     from quickreturn.table_comparison import compared, parts_of_tables, tables_in
@@ -102,6 +107,20 @@ def compare(call: Call, files: Sequence[str], writes_mapping: bool, **reading: A
 
         write(call.output, lambda ending: picture(draw(results), ending))
     return _exit_code(call, results)
+
+
+def _two_tables(call: Call, files: Sequence[str], reading: Mapping[str, Any]) -> int:
+    """The differences of two tables. UsageError: there are more, or options that only a comparison with engines has."""
+    given = {"--engine": call.engines, "--accuracy": call.accuracy, "--set": call.overrides or call.settings, "--output": call.output}
+    if len(files) != 2 or any(given.values()):
+        told = ", ".join([f"{len(files)} files"] * (len(files) != 2) + [option for option, value in given.items() if value])
+        raise click.UsageError(f"{told}: without a CASE two files are compared, and no engines; give the CASE first")
+    from quickreturn.table_comparison import difference
+
+    found = difference(*options.read_tables(files, reading))
+    document = {"relative": dict(found), "absolute": found.absolute, "rows": found.rows, "step": found.step}
+    call.show(document, str(found))
+    return ExitCode.GOOD
 
 
 def _exit_code(call: Call, results: "Sequence[CaseResult]") -> int:

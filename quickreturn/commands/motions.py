@@ -5,21 +5,18 @@ import math
 import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path, PurePath
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from quickreturn.cases.running.fork_server import COMPUTING, get_ready
 from quickreturn.commands import options
 from quickreturn.commands.console import Call, ExitCode, check_file, tell, write
-from quickreturn.commands.options import PICTURES
+from quickreturn.reports.output import MOVING, PICTURES
 
 if TYPE_CHECKING:
     from quickreturn.cases.files.case import Case
     from quickreturn.commands.solved import Found
-
-#: Endings of moving pictures.
-MOVING: Final = (".webp", ".html")
 
 
 @options.command(
@@ -175,8 +172,8 @@ def modes(call: Call, crank_angles: list[float], count: int) -> None:
 def plot(call: Call, sources: Sequence[str], columns: Sequence[str]) -> None:
     """Draw each CASE; with --engine, simulate it and draw columns of its trajectory over time.
 
-    A FILE is a table as `simulate` writes it or as `compare` takes it (its name ends in .csv): its columns are drawn over those of the
-    other sources.
+    A FILE is a table as `simulate` writes it or as `compare` takes it (its name ends in .csv, .parquet, .nc or .json): its columns are
+    drawn over those of the other sources.
     """
     from quickreturn.cases.files.recorded import is_table, read_table
     from quickreturn.cases.files.shown import units_named
@@ -227,8 +224,8 @@ def plot(call: Call, sources: Sequence[str], columns: Sequence[str]) -> None:
 def animate(call: Call, magnify: float | None) -> None:
     """Simulate CASE from the standard start and draw it moving, engines over each other.
 
-    A .webp is a picture of the last turn, slowed down. A .html is a page that opens from disk, with controls to play, stop and slow down
-    the motion, and to magnify the deflection.
+    A .webp, a .gif or, by ffmpeg, an .mp4 shows the last turn, slowed down. A .html is a page that opens from disk, with controls to play,
+    stop and slow down the motion, and to magnify the deflection.
     """
     from quickreturn.commands.solved import trajectories
 

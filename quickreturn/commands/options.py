@@ -27,8 +27,6 @@ Option = Callable[[Any], Any]
 
 _LARGEST_ANGLE: Final = 1_000_000  # degrees; a double keeps 1e-10 of a degree there
 _MOST_ANGLES: Final = 10_000
-#: Pictures that can be written.
-PICTURES: Final = (".png", ".svg", ".pdf", ".webp")
 
 
 def command(*options: Option, **attributes: Any) -> Callable[[Callable[..., Any]], click.Command]:
@@ -210,9 +208,9 @@ def cases(command: Callable[..., Any]) -> Callable[..., Any]:
     return _cases(metavar="[CASE]...", nargs=-1, **_kept())(units(command))
 
 
-def case(command: Callable[..., Any]) -> Callable[..., Any]:
+def case(command: Callable[..., Any], metavar: str = "CASE") -> Callable[..., Any]:
     """Add the argument for one case."""
-    return _cases(metavar="CASE", **_kept(lambda name: (name,)))(units(command))
+    return _cases(metavar=metavar, **_kept(lambda name: (name,)))(units(command))
 
 
 tag: Final = shared("--tag", metavar="TAG", help="Add all cases of the library with this tag.")

@@ -5,8 +5,11 @@ A moving picture shows the last turn of the crank, slowed down.
 
 import io
 import math
+import subprocess
+import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -17,7 +20,7 @@ from PIL import Image
 from scipy.interpolate import CubicSpline
 
 from quickreturn.cases.files.case import Case
-from quickreturn.cases.files.errors import UnknownColumn
+from quickreturn.cases.files.errors import CaseError, UnknownColumn
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import PLACES, SHAPE
@@ -266,12 +269,12 @@ def moving(case: Case, trajectories: Mapping[str, Trajectory], ending: str, magn
     Args:
         case: what was simulated.
         trajectories: of the engines by name, on one output grid.
-        ending: ".webp" or ".html".
+        ending: one of `reports.output.MOVING`; an .mp4 is encoded by ffmpeg.
         magnify: factor of the deflection in a picture; None: a round factor that makes the deflection visible.
 
     Raises:
         UnknownColumn: an engine does not give the follower's shape.
-        CaseError: a page was asked for, and the case has no crank.
+        CaseError: a page was asked for, and the case has no crank; or ffmpeg is missing.
     """
     for trajectory in trajectories.values():
         check_shape(trajectory)
@@ -284,11 +287,32 @@ def moving(case: Case, trajectories: Mapping[str, Trajectory], ending: str, magn
     motions = {name: positions_of(case.scene, trajectory, times[:-1]) for name, trajectory in trajectories.items()}
     factor = magnify or factor_for(list(motions.values()), case.scene.follower.length)
     frames = _frames(case, motions, factor, slowed)
+    pause = slowed * float(times[1] - times[0])
+    if ending == ".mp4":
+        return _encoded(frames, 1.0 / pause)
+    unit = 10 if ending == ".gif" else 1  # ms, in which the file counts; rounding does not add up
+    pauses = unit * np.diff(np.rint(1000.0 / unit * pause * np.arange(len(frames) + 1))).astype(int)
+    options = {"append_images": frames[1:], "duration": pauses.tolist(), "loop": 0, "lossless": True, "method": 4}
     file = io.BytesIO()
-    pause = round(1000.0 * slowed * float(times[1] - times[0]))
-    options = {"save_all": True, "append_images": frames[1:], "duration": pause, "loop": 0, "lossless": True, "method": 4}
-    frames[0].save(file, "WEBP", **options)
+    frames[0].save(file, ending.removeprefix("."), save_all=True, **options)
     return file.getvalue()
+
+
+def _encoded(frames: Sequence[Image.Image], rate: float) -> bytes:
+    """Pictures as H.264 in an .mp4, `rate` a second. CaseError: ffmpeg is missing, or cannot do this."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "moving.mp4"  # an .mp4 is not written to a pipe
+        given = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{frames[0].width}x{frames[0].height}", "-r", f"{rate}", "-i", "-"]
+        command = ["ffmpeg", "-loglevel", "error", *given, "-pix_fmt", "yuv420p", str(file)]
+        content = b"".join(each.tobytes() for each in frames)
+        try:
+            told = subprocess.run(command, input=content, capture_output=True, check=False).stderr.decode(errors="replace")
+        except OSError:
+            told = "it is not installed"
+        if not file.exists():
+            accepted = "install ffmpeg with its encoder libx264, or choose .webp or .gif"
+            raise CaseError(".mp4", None, None, f"ffmpeg cannot encode it: {told.strip()}", accepted)
+        return file.read_bytes()
 
 
 def last_turn(trajectory: Trajectory) -> Array:

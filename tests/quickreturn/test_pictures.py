@@ -12,6 +12,7 @@ from matplotlib.text import Annotation
 from PIL import Image
 
 import quickreturn as qr
+from quickreturn.cases.files.errors import CaseError
 from quickreturn.cases.library import load_case
 from quickreturn.engines.accurate import simulate
 from quickreturn.engines.registry import engine
@@ -19,7 +20,18 @@ from quickreturn.engines.start import standard_start
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.columns import SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
-from quickreturn.reports.drawing.mechanism import FRAMES, LARGEST, POINTS, factor_for, last_turn, mechanisms, moving, positions_of, unbent
+from quickreturn.reports.drawing.mechanism import (
+    FRAMES,
+    LARGEST,
+    POINTS,
+    SLOWED,
+    factor_for,
+    last_turn,
+    mechanisms,
+    moving,
+    positions_of,
+    unbent,
+)
 from quickreturn.reports.output import OutputError
 from tests.quickreturn.conftest import Call
 from tests.quickreturn.scene_file import SCENE
@@ -115,8 +127,29 @@ def test_a_solution_is_drawn_moving_to_a_picture_or_a_page(tmp_path: Path) -> No
     assert not re.search(r"(src|href)=.https?:", page), "it opens without a network"
     solution.animate(tmp_path / "out.webp", magnify=2.0)
     assert (tmp_path / "out.webp").read_bytes().startswith(b"RIFF")
-    with pytest.raises(OutputError, match="gif"):
-        solution.animate(tmp_path / "out.gif")
+    with pytest.raises(OutputError, match="avi"):
+        solution.animate(tmp_path / "out.avi")
+
+
+@pytest.mark.usefixtures("few_frames")
+def test_a_gif_keeps_time_and_ffmpeg_is_given_every_picture(
+    trajectory: Trajectory, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    gif = Image.open(io.BytesIO(moving(CASE, {"reference": trajectory}, ".gif")))
+    shown = []
+    for number in range(gif.n_frames):  # type: ignore[attr-defined]
+        gif.seek(number)
+        shown.append(gif.info["duration"])
+    assert len(shown) == 6
+    turn = float(np.ptp(last_turn(trajectory)))
+    assert min(abs(sum(shown) / 1e3 - slowed * turn) for slowed in SLOWED) < 0.006  # s, half of the unit in which a GIF counts
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(CaseError, match="ffmpeg cannot encode it: it is not installed"):
+        moving(CASE, {"reference": trajectory}, ".mp4")
+    # a stand-in that keeps what it is given, where there is no ffmpeg
+    (tmp_path / "ffmpeg").write_text('#!/bin/sh\nfor last; do :; done\nexec /bin/cat > "$last"\n')
+    (tmp_path / "ffmpeg").chmod(0o755)
+    assert len(moving(CASE, {"reference": trajectory}, ".mp4")) == 6 * 720 * 390 * 3
 
 
 @pytest.mark.usefixtures("few_frames")

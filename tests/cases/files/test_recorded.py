@@ -1,11 +1,15 @@
 """Recorded tables are read as they declare themselves, and what cannot be read is told with place, value and what is accepted."""
 
+import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 
+import quickreturn as qr
 from quickreturn.cases.files import recorded
 from quickreturn.cases.files.errors import CaseError
 from quickreturn.cases.files.recorded import read_table
@@ -53,6 +57,7 @@ def test_units_are_turned_into_si_and_nothing_else_is_touched(tmp_path: Path, te
         ("strain_3 [µε]", 1e-6),
         ("strain_3", 1.0),
         ("crank_torque [lbf*in]", 0.1129848290276167),
+        ("crank_torque [lbf in]", 0.1129848290276167),
         ("crank_speed [rpm]", np.pi / 30.0),
     ],
 )
@@ -83,6 +88,10 @@ def test_units(tmp_path: Path, heading: str, size: float) -> None:
         ("time,tip_x\n0,1\n2,1\n\n1,2", ["line 5, time", "1", "does not rise"]),
         ("time,tip_x\n0,1\n1,2\n0.9,3\n2,x\n", ["line 4, time", "0.9 does not rise"]),  # the first of two mistakes
         ("0,1\n1,2", ["line 1", "heading"]),
+        ("time,tip_x,time,tip_y\n0,1,0,1\n1,2,,\n", ["time a second time", '--column "3 = -"']),
+        ("time,tip_x,tip_y\n0,1,\n1,,2\n2,1,\n", ["an empty cell in each", '--column "tip_y = -"']),
+        ("time,tip_x\n10:00:01,1\n10:00:00,2\n", ["line 3, time", "-1 does not rise"]),
+        ("time,tip_x\n02.01.2026 10:00,1\n", ["line 2, time", "02.01.2026 10:00", "no plain number"]),
         ("tip_x\n0", ["no column time"]),
         ("# origin = guessed\ntime,tip_x\n0,1", ["line 1, origin", "guessed", "measured"]),
         ("# origin\ntime,tip_x\n0,1", ["line 1", "# key = value"]),
@@ -117,6 +126,16 @@ FORMS: dict[str, tuple[str | bytes, dict[str, Any], str]] = {
         {"separator": ";", "columns": {"1": "time [ms]", "2": "crank_angle [deg]", "3": "tip_x [mm]"}, "skip": 1},
         "semicolons, decimal comma",
     ),
+    "dates": (
+        "time;crank_angle [deg];tip_x [mm]\n2026-03-01T23:59:59,9998;180;1234,5\n2026-03-02T00:00:00,0003;181,25;2\n",
+        {},
+        "semicolons, decimal comma, dates counted from the first row",
+    ),
+    "times of day, two rates": (
+        "time [ms],crank_angle [deg],tip_x [mm]\n10:00:00,180,1234.5\n10:00:00.00025,180.5,\n10:00:00.0005,181.25,2\n",
+        {},
+        "dates counted from the first row, 1 row with an empty cell left out, most for tip_x",
+    ),
     "LabVIEW": (
         "LabVIEW\t\nTime\t10:12:33,45\nX_Value\tcrank_angle\ttip_x\tComment\nms\tdeg\tmm\t\n0\t180\t1234,5\t\n0,5\t181,25\t2\t\n",
         {"skip": 2, "columns": "X_Value = time"},
@@ -135,6 +154,36 @@ def test_forms_of_other_programs_are_recognised_or_declared(tmp_path: Path, form
     np.testing.assert_allclose(table.columns["time"], [0.0, 5e-4], rtol=1e-14)
     np.testing.assert_allclose(table.columns["crank_angle"], np.radians([180.0, 181.25]), rtol=1e-14)
     np.testing.assert_allclose(table.columns["tip_x"], [1.2345, 2e-3], rtol=1e-14)
+
+
+WRITERS: dict[str, Callable[[pd.DataFrame, Path], Any]] = {
+    ".parquet": lambda frame, path: frame.to_parquet(path),
+    ".json": lambda frame, path: frame.to_json(path, double_precision=15),
+    ".nc": lambda frame, path: frame.set_index(frame.columns[0]).to_xarray().to_netcdf(path, engine="h5netcdf"),
+}
+
+
+@pytest.mark.parametrize("ending", WRITERS)
+def test_files_of_columns_are_read_as_text_is(tmp_path: Path, ending: str) -> None:
+    frame = pd.DataFrame({"time [ms]": [0.0, 0.1], "phi": [-90.0, 1.0 / 3.0], "tip_x [mm]": [1234.5, math.pi]})
+    WRITERS[ending](frame, path := tmp_path / f"tool{ending}")
+    table = read_table(path, "phi = crank_angle [deg]")
+    np.testing.assert_allclose(table.columns["time"], [0.0, 1e-4], rtol=1e-14)
+    np.testing.assert_allclose(table.columns["crank_angle"], np.radians([-90.0, 1.0 / 3.0]), rtol=1e-14)
+    np.testing.assert_allclose(table.columns["tip_x"], [1.2345, 1e-3 * math.pi], rtol=1e-14)
+    path.write_bytes(b"{1}")
+    with pytest.raises(CaseError, match=rf"tool{ending}: is no {ending} of columns .*; columns of one length"):
+        read_table(path)
+
+
+def test_a_dataset_is_read_with_the_units_of_its_attributes_and_has_one_dimension(tmp_path: Path) -> None:
+    trajectory = qr.simulate(qr.case("rigid", duration=0.1), "reference", store=False)
+    trajectory.to_xarray().to_netcdf(tmp_path / "own.nc", engine="h5netcdf")
+    assert set(qr.difference(tmp_path / "own.nc", trajectory).values()) == {0.0}
+    grid = trajectory.to_xarray().expand_dims({"crank.length": [0.1, 0.2]})
+    grid.to_netcdf(tmp_path / "grid.nc", engine="h5netcdf")
+    with pytest.raises(CaseError, match=r"its dimensions are .*crank\.length"):
+        read_table(tmp_path / "grid.nc")
 
 
 def test_the_decimal_sign_that_is_declared_is_used(tmp_path: Path) -> None:

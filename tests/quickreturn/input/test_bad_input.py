@@ -212,7 +212,7 @@ TYPED = [
     ("plot small.toml --output x.gif", ("--output x.gif", ".png, .svg, .pdf, .webp")),
     ("plot small.toml --column tip_x --output x.png", ("--column", "--engine")),
     ("plot small.toml --engine fake --column tip_z --output x.png", ("tip_z", "tip_x")),
-    ("animate small.toml --engine fake --output x.gif", ("--output x.gif", ".webp, .html")),
+    ("animate small.toml --engine fake --output x.avi", ("--output x.avi", ".webp, .gif, .mp4, .html")),
     ("animate small.toml --engine fake --magnify 5 --output x.html", ("--magnify", ".html")),
     ("animate small.toml --engine fake --output x.webp", ("shape_01", "the shape of the follower")),
     ("report small.toml --output page.html", ("--output", "page.html", "give a folder")),

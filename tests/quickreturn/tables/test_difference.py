@@ -1,5 +1,6 @@
 """Relative differences of trajectories: what they are of known signals, and laws that hold for all."""
 
+import json
 import math
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as some
 
 import quickreturn as qr
+from tests.quickreturn.conftest import Call
 
 TIME = np.linspace(0.0, 1.0, 101)
 SIGNALS = some.lists(some.floats(-1e3, 1e3), min_size=101, max_size=101).filter(lambda values: any(abs(each) > 1e-3 for each in values))
@@ -107,3 +109,17 @@ def test_files_frames_and_solutions_alike(tmp_path: Path) -> None:
     assert found["tip_y"] == 0.0
     same = qr.difference(tmp_path / "table.csv", pd.DataFrame({"time [ms]": 1e3 * frame["time"], "tip_x [mm]": 1e3 * frame["tip_x"]}))
     assert dict(same) == {"tip_x": pytest.approx(0.0, abs=1e-12)}
+
+
+def test_two_files_are_compared_by_the_command(call: Call) -> None:
+    frame = pd.DataFrame({"time": TIME, "tip_x [mm]": np.exp(TIME)})
+    frame.to_csv("old.csv", index=False)
+    frame.assign(**{"tip_x [mm]": 1.02 * np.exp(TIME)}).to_parquet("new.parquet")
+    answer = call("compare", "new.parquet", "old.csv", "--json")
+    assert answer.code == 0
+    assert json.loads(answer.output)["relative"] == {"tip_x": pytest.approx(0.02, rel=1e-12)}
+    assert "101 rows, 0.01 s apart" in call("compare", "new.parquet", "old.csv").output
+    for files, told in ((["old.csv"] * 3, "3 files"), (["old.csv", "old.csv", "--engine", "reference"], "--engine")):
+        answer = call("compare", *files)
+        assert answer.code == 2
+        assert f"{told}: without a CASE two files are compared" in answer.errors
