@@ -31,6 +31,8 @@ from quickreturn.engines.start import Start as Start
 from quickreturn.engines.start_state import reconstruct as reconstruct
 from quickreturn.engines.trajectory import Trajectory as Trajectory
 from quickreturn.plugins.conform.contract import conform as conform
+from quickreturn.plugins.linear.linearise import linearise as linearise
+from quickreturn.plugins.linear.model import LinearModel as LinearModel
 from quickreturn.plugins.methods.advice import Advice as Advice
 from quickreturn.plugins.methods.advice import advise as advise
 from quickreturn.plugins.strength.turn import Explanation as Explanation

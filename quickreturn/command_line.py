@@ -53,7 +53,7 @@ COMPLETION: Final = "_QUICKRETURN_COMPLETE"
 BLAS_THREADS: Final = "OPENBLAS_NUM_THREADS"
 
 #: Argument of a function -> the option that gives it, where that has another name; and name of an error's class -> the option at fault.
-OPTIONS: Final = {"columns": "--column", "measures": "--measure", "overrides": "--set"}
+OPTIONS: Final = {"columns": "--column", "inputs": "--input", "measures": "--measure", "outputs": "--output", "overrides": "--set"}
 AT_FAULT: Final = {"OutputError": "--output", "SettingError": "--set", "UnknownEngine": "--engine"}
 
 #: Errors of the system when there is no room to write.

@@ -24,8 +24,7 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
-from quickreturn.reference_model.arrays import Array
-from quickreturn.reference_model.eigenproblem import eigh
+from quickreturn.reference_model.arrays import Array, eigh
 from quickreturn.reference_model.mechanism import Crank, FollowerAlone, Mechanism, PrescribedSpeed, Scene
 from quickreturn.reference_model.rigid import crank_pace, stiffness_across
 from quickreturn.reference_model.tip import Tip
@@ -134,14 +133,9 @@ def deflections(modes: Sequence[BeamModes], arc_lengths: Array, derivative: int 
 
 def clamped_modes(scene: FollowerAlone, count: int) -> BeamModes:
     """The `count` lowest natural modes of the follower clamped at its base (equation 11.2), which does not turn, with its tip body."""
-    follower = scene.follower
-    spans = ((0.0, follower.length),)
-    (numbers,) = numbering = _numbering(1, count + SPARE_SHAPES)
-    mass, bending = _element(spans[0], count + SPARE_SHAPES)
-    M, K = follower.mass_per_length * mass, follower.bending_stiffness * bending
-    _add_tip(M, scene.tip, numbering)
-    frequencies, full = _lowest(M, K, [0, 1], numbers[2], count)
-    return BeamModes(frequencies, follower.length, spans, (full[numbers],))
+    held = held_follower(scene, scene.follower.length, count + SPARE_SHAPES)
+    frequencies, full = held.lowest(count)
+    return BeamModes(frequencies, scene.follower.length, held.spans, held.by_span(full))
 
 
 def frozen_crank_modes(mechanism: Mechanism, crank_angle: float, count: int) -> FrozenModes:
@@ -204,17 +198,12 @@ def supported_modes(mechanism: Mechanism, slider_position: float, count: int, sp
         raise ValueError(f"slider_position {slider_position:.6g} m is not on the follower (0 to {length:.6g} m)")
     if not stiffness > 0.0:
         raise ValueError(f"slider.joint_stiffness {stiffness:.6g} N/m leaves the follower free to turn: it has no natural modes")
-    place = mechanism.spring.place_on(length) if mechanism.spring is not None and spring > 0.0 else length
-    spans = _spans(slider_position, length, place)
     if mechanism.follower.is_rigid:
-        shapes = 4
+        shapes, spans = 4, _spans(slider_position, length)
         return FrozenModes(np.empty(0), length, spans, tuple(np.empty((shapes, 0)) for _ in spans), slider_position)
-    M, K, held, numbering = _assembled(mechanism, spans, count + SPARE_SHAPES, slider_position)
-    if spring > 0.0:
-        at = 2 * _node_at(spans, place)
-        K[at, at] += spring
-    frequencies, full = _lowest(M, K, held, numbering[-1][2], count)
-    return FrozenModes(frequencies, length, spans, tuple(full[numbers] for numbers in numbering), slider_position)
+    held = held_follower(mechanism, slider_position, count + SPARE_SHAPES, spring)
+    frequencies, full = held.lowest(count)
+    return FrozenModes(frequencies, length, held.spans, held.by_span(full), slider_position)
 
 
 def modes_and_base_shape(mechanism: Mechanism, slider_position: float, count: int) -> FrozenModes:
@@ -228,9 +217,9 @@ def modes_and_base_shape(mechanism: Mechanism, slider_position: float, count: in
         count: at least 2.
     """
     s, length, stiffness = slider_position, mechanism.follower.length, mechanism.follower.bending_stiffness
-    spans = _spans(s, length)
-    M, K, held, numbering = _assembled(mechanism, spans, count + SPARE_SHAPES, s)
-    frequencies, modes = _lowest(M, K, held, numbering[-1][2], count - 1)
+    held = held_follower(mechanism, s, count + SPARE_SHAPES)
+    M, K = held.M, held.K
+    frequencies, modes = held.lowest(count - 1)
     shape = np.zeros(len(M))
     # slopes at P and slider, deflection and slope at the end; the cubic in between has no interior shapes
     shape[[1, 3, 4, 5]] = np.array([2.0, -1.0, s - length, -1.0]) * s / (6.0 * stiffness)
@@ -238,7 +227,7 @@ def modes_and_base_shape(mechanism: Mechanism, slider_position: float, count: in
     shape /= math.sqrt(shape @ M @ shape)
     frequencies = np.append(frequencies, math.sqrt(shape @ K @ shape) / (2.0 * np.pi))
     full = np.column_stack([modes, shape])
-    return FrozenModes(frequencies, length, spans, tuple(full[numbers] for numbers in numbering), s)
+    return FrozenModes(frequencies, length, held.spans, held.by_span(full), s)
 
 
 def compliance_beyond(mechanism: Mechanism, slider_position: float, count: int) -> float:
@@ -249,43 +238,79 @@ def compliance_beyond(mechanism: Mechanism, slider_position: float, count: int) 
     return slider_position / (3.0 * mechanism.follower.bending_stiffness) - modal
 
 
-def _assembled(
-    mechanism: Mechanism, spans: tuple[tuple[float, float], ...], interior: int, slider_position: float
-) -> tuple[Array, Array, list[int], tuple[NDArray[np.intp], ...]]:
-    """Mass and stiffness matrix, the coordinates that are held, and the numbering of each span's shapes."""
-    stiffness, numbering = mechanism.slider.closed_stiffness, _numbering(len(spans), interior)
+@dataclass(frozen=True)
+class HeldFollower:
+    """The follower with its bodies and supports, in the shapes of its spans.
+
+    Attributes:
+        M: mass matrix, shape (size, size).
+        K: stiffness matrix, likewise.
+        spans: see `BeamModes`.
+        numbering: per span, the numbers of its shapes. Deflection (m) and slope at P come first, then those at the other ends of spans.
+        fixed: numbers of the coordinates that the supports hold at zero.
+    """
+
+    M: Array
+    K: Array
+    spans: tuple[tuple[float, float], ...]
+    numbering: tuple[NDArray[np.intp], ...]
+    fixed: list[int]
+
+    @property
+    def free(self) -> NDArray[np.intp]:
+        """Numbers of the coordinates that the supports leave free."""
+        return np.delete(np.arange(len(self.M)), self.fixed)
+
+    def by_span(self, vectors: Array) -> tuple[Array, ...]:
+        """The `coefficients` of `BeamModes` for vectors of shape (size, count)."""
+        return tuple(vectors[numbers] for numbers in self.numbering)
+
+    def lowest(self, count: int) -> tuple[Array, Array]:
+        """Frequencies (Hz), shape (count,), and mass-normalised vectors, shape (size, count), of the `count` lowest modes.
+
+        The deflection at the flexible end is positive in every mode.
+        """
+        free, tip = self.free, self.numbering[-1][2]
+        both = free[:, None], free
+        # M v = v / omega^2 K v, not the other way round: round-off is relative to the largest eigenvalue, so the lowest modes stay
+        # exact however short and stiff a span is
+        inverse_squares, vectors = eigh(self.M[both], self.K[both])
+        inverse_squares, vectors = inverse_squares[::-1][:count], vectors[:, ::-1][:, :count] / np.sqrt(inverse_squares[::-1][:count])
+        full = np.zeros((len(self.M), count))
+        full[free] = vectors
+        full *= np.where(full[tip] < 0.0, -1.0, 1.0)
+        return 1.0 / np.sqrt(inverse_squares) / (2.0 * np.pi), full
+
+
+def held_follower(scene: Scene, slider_position: float, interior: int, spring: float = 0.0) -> HeldFollower:
+    """The matrices of a flexible follower, `interior` polynomials to a span; a follower alone is clamped at its base.
+
+    `slider_position`, `spring`: see `supported_modes`.
+    """
+    follower, slider = scene.follower, scene.slider
+    place = scene.spring.place_on(follower.length) if scene.spring is not None and spring > 0.0 else follower.length
+    spans = _spans(slider_position, follower.length, place)
+    numbering = _numbering(len(spans), interior)
     size = 1 + max(int(numbers.max()) for numbers in numbering)
     M, K = np.zeros((size, size)), np.zeros((size, size))
     for span, numbers in zip(spans, numbering, strict=True):
         mass, bending = _element(span, interior)
         block = numbers[:, None], numbers
-        M[block] += mechanism.follower.mass_per_length * mass
-        K[block] += mechanism.follower.bending_stiffness * bending
+        M[block] += follower.mass_per_length * mass
+        K[block] += follower.bending_stiffness * bending
     slope_at_base, deflection_at_slider = 1, 2 * _node_at(spans, slider_position)
     slope_at_slider = deflection_at_slider + 1
-    M[slope_at_base, slope_at_base] += mechanism.base.inertia
-    M[slope_at_slider, slope_at_slider] += mechanism.slider.inertia
-    if math.isfinite(stiffness):
-        K[deflection_at_slider, deflection_at_slider] += stiffness
-    _add_tip(M, mechanism.tip, numbering)
-    return M, K, [0] if math.isfinite(stiffness) else [0, deflection_at_slider], numbering  # deflection at the base, and at a rigid slider
-
-
-def _lowest(M: Array, K: Array, held: list[int], tip: int, count: int) -> tuple[Array, Array]:
-    """Frequencies (Hz), shape (count,), and mass-normalised vectors, shape (size, count), of the `count` lowest modes.
-
-    The coordinates `held` are zero. The coordinate `tip`, the deflection at the flexible end, is positive in every mode.
-    """
-    free = np.delete(np.arange(len(M)), held)
-    both = free[:, None], free
-    # M v = v / omega^2 K v, not the other way round: round-off is relative to the largest eigenvalue, so the lowest modes stay
-    # exact however short and stiff a span is
-    inverse_squares, vectors = eigh(M[both], K[both])
-    inverse_squares, vectors = inverse_squares[::-1][:count], vectors[:, ::-1][:, :count] / np.sqrt(inverse_squares[::-1][:count])
-    full = np.zeros((len(M), count))
-    full[free] = vectors
-    full *= np.where(full[tip] < 0.0, -1.0, 1.0)
-    return 1.0 / np.sqrt(inverse_squares) / (2.0 * np.pi), full
+    M[slope_at_base, slope_at_base] += scene.base.inertia
+    M[slope_at_slider, slope_at_slider] += slider.inertia
+    _add_tip(M, scene.tip, numbering)
+    fixed = [0, slope_at_base if scene.crank is None else deflection_at_slider]
+    if math.isfinite(slider.closed_stiffness):
+        K[deflection_at_slider, deflection_at_slider] += slider.closed_stiffness
+        fixed = [0]
+    if spring > 0.0:
+        at = 2 * _node_at(spans, place)
+        K[at, at] += spring
+    return HeldFollower(M, K, spans, numbering, fixed)
 
 
 def _spans(position: float, length: float, spring: float = math.inf) -> tuple[tuple[float, float], ...]:

@@ -10,8 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from quickreturn.reference_model.arrays import Array
-from quickreturn.reference_model.eigenproblem import eigh
+from quickreturn.reference_model.arrays import Array, eigh
 
 #: Degree of the polynomials that represent a transcendental mode on one cell; with at most a quarter of a wave per cell the
 #: representation error is below 1e-12 of the mode's amplitude and 1e-9 of its curvature.

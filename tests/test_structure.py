@@ -30,7 +30,7 @@ FILES = list(MODULES.values())
 
 #: What one must know to change anything else: nothing in it imports anything outside it at the head of a file (docs/developing.md).
 KERNEL = """
-reference_model: arrays columns eigenproblem errors follower interpolation mechanism natural_modes quantities rigid scene_values shapes
+reference_model: arrays columns errors follower interpolation mechanism natural_modes quantities rigid scene_values shapes
     slider spring tip
 reference_model.native: cache_folder
 engines: accurate base error_parts ladder one_run plugins progress refusals registry settings start
@@ -40,7 +40,7 @@ cases.motion: cycle drifting_fit extremes first_mode moving_mode number time_sca
 cases.running: display job key store workshop
 """
 #: Lines of the kernel at most, everything counted.
-LARGEST_KERNEL = 8_820
+LARGEST_KERNEL = 8_850
 #: Room -> lines of code at most: blank lines, comments, docstrings and imports do not count, nor do tests.
 BUDGETS = {
     "reference_model": 5_900,
@@ -53,6 +53,7 @@ BUDGETS = {
     "plugins/conform": 935,
     "plugins/derive": 1_665,
     "plugins/fmu": 390,
+    "plugins/linear": 325,
     "plugins/methods": 2_160,
     "plugins/pack": 430,
     "plugins/strength": 1_165,
@@ -126,6 +127,7 @@ def test_one_folder_of_the_core_draws() -> None:
     drawing = [file for file in FILES if any(name.split(".")[0] == "matplotlib" for name in imported(file))]
     assert {file.parent.relative_to(PACKAGE).as_posix() for file in drawing} == {
         "reports/drawing",
+        "plugins/linear",
         "plugins/methods",
         "plugins/studies/resonance_curve",
     }

@@ -14,8 +14,7 @@ import scipy  # whose linear algebra is imported when it is used
 from quickreturn.engines.mujoco.centre_line import centre_line_coefficients
 from quickreturn.engines.mujoco.settings import hinge_count
 from quickreturn.engines.units import Units
-from quickreturn.reference_model.arrays import Array
-from quickreturn.reference_model.eigenproblem import eigh
+from quickreturn.reference_model.arrays import Array, eigh
 from quickreturn.reference_model.mechanism import Mechanism, Scene, TorqueDrive
 from quickreturn.reference_model.rigid import stiffness_across
 from quickreturn.reference_model.scene_values import changed

@@ -7,10 +7,9 @@ from collections.abc import Callable
 import numpy as np
 import scipy  # whose parts are imported when they are used
 
-from quickreturn.reference_model.arrays import Array
+from quickreturn.reference_model.arrays import Array, eigh
 from quickreturn.reference_model.columns import ROW, by_column, recorded_columns
 from quickreturn.reference_model.constants import characteristic_frequency, crank_speed_scale
-from quickreturn.reference_model.eigenproblem import eigh
 from quickreturn.reference_model.integrate import LEFT_FOLLOWER, NOT_A_NUMBER, REACHED_END, STEP_TOO_SMALL, TOO_MANY_CALLS, Integration
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.model import ObservationFailed

@@ -17,8 +17,7 @@ import scipy  # whose linear algebra is imported when it is used
 
 from quickreturn.engines.mujoco.chain import add_body, add_hinge
 from quickreturn.engines.units import Units
-from quickreturn.reference_model.arrays import Array
-from quickreturn.reference_model.eigenproblem import eigh
+from quickreturn.reference_model.arrays import Array, eigh
 from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive
 
 #: Radius of the pin over the follower's length, and half the thickness of the slot's walls over that.
