@@ -13,6 +13,7 @@ except ImportError as error:
 
 from quickreturn.plugins.derive.beam import Beam, natural_shapes
 from quickreturn.plugins.derive.model import Model
+from quickreturn.plugins.derive.state_space import StateSpace, state_space
 from quickreturn.plugins.derive.statics import Linear, Statics, natural_frequencies
 from quickreturn.plugins.derive.system import System, turned, vector
 from quickreturn.plugins.derive.units import DescriptionError
@@ -22,11 +23,13 @@ __all__ = [
     "DescriptionError",
     "Linear",
     "Model",
+    "StateSpace",
     "Statics",
     "System",
     "latex",
     "natural_frequencies",
     "natural_shapes",
+    "state_space",
     "turned",
     "vector",
 ]

@@ -112,7 +112,7 @@ def folder_of(document: str, base: Path) -> Path:
 
 
 NAMES: dict[str, dict[str, Any]] = {}
-#: Blocks of Python that have been run: one for make verify needs those before it, which make test runs.
+#: Blocks of Python that have been run: a block for make verify needs those before it, which make test runs.
 DONE: set[Block] = set()
 PRINTED: dict[str, str] = {}
 
@@ -133,17 +133,17 @@ def test_blocks_run(
     monkeypatch.setenv("QUICKRETURN_STORE", str(folder / "store"))
     monkeypatch.setenv("PATH", f"{BIN}{os.pathsep}{os.environ['PATH']}")
     monkeypatch.setenv("PYTHONPATH", str(TESTS_ALONE))
-    if block.kind == "python":
+    if block.kind == "python" or block.about == "verify":
         before = [each for each in blocks_of(block.document) if each.kind == "python" and not each.about and each.line < block.line]
-        for each in (*(each for each in before if each not in DONE), block):
+        for each in (*(each for each in before if each not in DONE), *[block] * (block.kind == "python")):
             exec(compile(each.text, f"{each.document}:{each.line}", "exec"), NAMES.setdefault(each.document, {}))
             DONE.add(each)
-    elif block.kind == "sh":
+    if block.kind == "sh":
         for line in block.text.splitlines():
             command = line.split("   #")[0].strip()
             if command and not command.startswith(("#", "make ", ". ")):
                 assert called(f"{command} --help" if block.about == "long" else command) == ExitCode.GOOD, command
-    else:
+    elif block.kind != "python":
         for command, shown in exchanges(block.text):
             capfd.readouterr()
             assert called(command) == code_of(shown), command

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.polynomial import Polynomial, legendre
 from scipy.linalg import eigh
 
+from quickreturn.plugins.derive.checks import check_shear
 from quickreturn.plugins.derive.system import System, column, turned
-from quickreturn.plugins.derive.units import Array, DescriptionError
+from quickreturn.plugins.derive.units import Array, DescriptionError, told
 
 #: A quantity along the beam: arc lengths (m, a column) to values, a column.
 Field = Callable[[ca.SX], ca.SX]
@@ -41,7 +42,7 @@ class Beam:
         angle: angle of its frame from n1, rad.
         edges: arc lengths (m) of the ends of the cells, from 0 to the end. Each cell has Gauss points; a moving slider's place is a frozen
             edge.
-        mass_per_length: kg/m.
+        mass_per_length: kg/m. This, both stiffnesses and the damping may be functions of the arc length.
         tangent: angle of the tangent in the frame, rad, from which the places follow exactly. Give this or `deflection`.
         deflection: displacement across the frame's first axis, m.
         stretch: displacement along that axis, m; only with `deflection`.
@@ -59,6 +60,7 @@ class Beam:
         lengths: lengths of the cells, m.
     """
 
+    @told("beam")
     def __init__(
         self,
         system: System,
@@ -86,7 +88,7 @@ class Beam:
                 )
         if tangent and (stretch or not foreshortening):
             raise DescriptionError(f"beam {name!r} with tangent= keeps its length exactly; stretch= and foreshortening= need deflection=")
-        if not stretch and not ca.SX(axial_stiffness).is_zero():
+        if not stretch and (callable(axial_stiffness) or not ca.SX(axial_stiffness).is_zero()):
             raise DescriptionError(f"beam {name!r} has an axial stiffness but does not stretch; give stretch=, or leave the stiffness out")
         if len(edges) < 2 or not (isinstance(points, int) and points > 0):
             raise DescriptionError(
@@ -94,27 +96,59 @@ class Beam:
             )
         self._tangent, self._deflection, self._stretch, self._shortens = tangent, deflection, stretch, foreshortening
         self.origin, self.angle, self._points = origin, ca.SX(angle), points
+        self._system, self.name, self._stiffness = system, name, bending_stiffness
         self._full_line = line = self._line(edges, points)
         inner, dx = _inner(line, points)
         self.x, self.y, self.shares, self.lengths = x, y, _, _ = line.x[inner], line.y[inner], dx, line.lengths
-        system.mass_points(name, mass_per_length * dx, x, y, origin, angle)
-        curvature = self._curvature(line.s)
+        mass, drag = (self._along(what, v, line.s[inner]) for what, v in (("mass_per_length", mass_per_length), ("damping", damping)))
+        bending = self._along("bending_stiffness", bending_stiffness, line.s)
+        axial = self._along("axial_stiffness", axial_stiffness, line.s)
+        system.mass_points(name, mass * dx, x, y, origin, angle)
         strain = _derivative(stretch, line.s) if stretch else ca.SX(line.s.numel(), 1)
-        system.energy(name, 0.5 * ca.dot(dx, (bending_stiffness * curvature**2 + axial_stiffness * strain**2)[inner]))
+        system.energy(name, 0.5 * ca.dot(dx, (bending * self._curvature(line.s) ** 2 + axial * strain**2)[inner]))
         more = ca.SX.sym("s", (len(edges) - 1) * (2 * points + 1))
         system.slopes += [(name, line.psi)] if deflection else []
         field = tangent or deflection
         if field and field(more).numel() == more.numel():  # others are tables of values at the points
             system.integrals.append((name, self._squares(edges, points), self._squares(edges, 2 * points)))
-        system.damper(name, column(x, y), column(damping * dx, damping * dx))
+        system.damper(name, column(x, y), column(drag * dx, drag * dx))
 
+    @told("place of beam")
     def place(self, s: Any) -> ca.SX:
         """Place of the line at an arc length (m). If the arc length moves, the rate of the place is that of a travelling load."""
         return self._end(self._line([0, s], self._points), -1)
 
+    @told("slope of beam")
     def slope(self, s: Any) -> ca.SX:
         """The tangent's angle from n1 at a fixed or moving arc length (m)."""
         return self.angle + self._line([0, s], self._points).psi[-1]
+
+    @told("moment of beam")
+    def moment(self, s: Any) -> ca.SX:
+        """Bending moment (N m) at a fixed or moving arc length: what the part beyond it exerts on the part before it, counter-clockwise.
+
+        It is the stiffness times the curvature of the shapes, and no better than these.
+        """
+        s = ca.SX(s)
+        stiffness = self._along("bending_stiffness", self._stiffness, s)
+        if stiffness.is_zero():
+            raise DescriptionError(f"beam {self.name!r} of {self._system.name!r} has no bending stiffness, and so no moment")
+        return stiffness * self._curvature(s)
+
+    @told("shear of beam")
+    def shear(self, s: Any) -> ca.SX:
+        """Shear force (N) at an arc length: what the part beyond it exerts on the part before it, a quarter turn from the tangent.
+
+        It is minus the slope of the moment. A warning says that the shapes are natural ones, which do not have it.
+        """
+        fields: list[Any] = [self._tangent or self._deflection]
+        for _ in range(4):
+            fields.append(partial(_derivative, fields[-1]))
+        inner = _inner(self._full_line, self._points)[0]
+        cut = len(inner) // 4  # at the ends the fourth derivatives are not accurate
+        middle = self._full_line.s[inner[cut : len(inner) - cut]]
+        check_shear(self._system, self.name, [field(middle) for field in fields[::2]])
+        return -_derivative(self.moment, ca.SX(s))
 
     def end(self, cell: int = -1) -> ca.SX:
         """Place of a cell's end, by default the last cell's."""
@@ -143,6 +177,16 @@ class Beam:
     def _end(self, line: _Line, cell: int) -> ca.SX:
         return self.origin + turned(self.angle, *(each[self._points :: self._points + 1][cell] for each in (line.x, line.y)))
 
+    def _along(self, what: str, value: Any, s: ca.SX) -> ca.SX:
+        """A number, an expression, or a function of the arc length, at arc lengths s (m, a column)."""
+        found = ca.SX(value(s) if callable(value) else value)
+        if found.numel() not in (1, s.numel()):
+            raise DescriptionError(
+                f"the {what} of beam {self.name!r} of {self._system.name!r} has {found.numel()} values; give one, or a function of the arc"
+                " length, such as lambda x: EI * (1 - x / L)"
+            )
+        return found
+
     def _curvature(self, s: ca.SX) -> ca.SX:
         return _derivative(self._tangent or (lambda x: _derivative(self._deflection, x)), s)
 
@@ -167,13 +211,18 @@ class Beam:
 
     def _integral(self, f: ca.SX, lengths: list[ca.SX], n: int) -> ca.SX:
         """Integral from the beginning to every point and end, of the polynomial through the points of each cell."""
-        gauss, weights = legendre.leggauss(n)
-        series = (np.arange(n)[:, None] + 0.5) * (legendre.legvander(gauss, n - 1) * weights[:, None]).T
-        to_points = ca.SX(0.5 * legendre.legval(np.append(gauss, 1.0), legendre.legint(series, lbnd=-1)).T)
+        places = np.append(legendre.leggauss(n)[0], 1.0)
+        to_points = ca.SX(0.5 * legendre.legval(places, legendre.legint(legendre_series(n), lbnd=-1)).T)
         parts = [ca.SX(0)]
         for k, h in enumerate(lengths):
             parts.append(parts[-1][-1] + h * (to_points @ f[k * (n + 1) : k * (n + 1) + n]))
         return column(*parts[1:])
+
+
+def legendre_series(points: int) -> Array:
+    """The matrix that turns values at the Gauss points of (-1, 1) into coefficients of Legendre's polynomials, shape (points, points)."""
+    gauss, weights = legendre.leggauss(points)
+    return np.asarray((np.arange(points)[:, None] + 0.5) * (legendre.legvander(gauss, points - 1) * weights[:, None]).T)
 
 
 def _inner(line: _Line, points: int) -> tuple[list[int], ca.SX]:

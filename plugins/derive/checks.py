@@ -25,6 +25,9 @@ PART: Final = 0.1
 #: Rounding of accelerations over the tolerance at which integrations still find their steps. Six to eight powers of x/L on a spinning
 #: beam: at 90 and 220 they take the time of Legendre polynomials, at 400 ten times as long, at 900 they get stuck.
 ROUNDED: Final = 500.0
+#: Least and largest cosine of the angles between a beam's shapes and their fourth derivatives from which they are natural ones. Those of
+#: natural_shapes: 0.74 to 1.0, with up to twelve; sets of polynomials contain squares or cubes, whose fourth derivative is zero.
+NATURAL: Final = 0.7, 0.98
 #: Error of the integrals along a beam, all shapes taking part alike, that is told. Natural shapes of a cantilever over one
 #: cell of six points: 18 % with four of them, whose frequencies are right to 6e-5; 40 % with five, where the third frequency is off by
 #: 0.8 %. With six the first one is off by 12 %.
@@ -84,6 +87,27 @@ def check_points(system: System) -> None:
                 f" {100.0 * error:.2g} %; give more `points`, or more `edges`",
                 stacklevel=4,
             )
+
+
+def check_shear(system: System, beam: str, fields: Sequence[ca.SX]) -> None:
+    """Warn of a beam all of whose shapes are natural ones: their fourth derivatives are like the shapes.
+
+    Args:
+        system: the system that contains the beam.
+        beam: name of the beam.
+        fields: its field, and the second and the fourth derivative, at places along it.
+    """
+    known, here, _ = zip(*_values(system), strict=True)
+    jacobians = [ca.densify(ca.jacobian(each, column(*(c.q for c in system.coordinates)))) for each in fields]
+    shapes, bent, fourth = (np.array(each).T for each in ca.Function("shapes", [column(*known)], jacobians)(np.array(here)))
+    pairs = [(one, other) for one, curved, other in zip(shapes, bent, fourth, strict=True) if np.any(curved)]
+    alike = [abs(one @ other) / max(float(np.linalg.norm(one) * np.linalg.norm(other)), 1e-300) for one, other in pairs]
+    if alike and min(alike) > NATURAL[0] and max(alike) > NATURAL[1]:
+        warnings.warn(
+            f"the shapes of beam {beam!r} of {system.name!r} are natural ones: they do not have the shear of a force on the beam; add its"
+            " shape, such as (x / L)**2 * (3 - x / L) for one at a free end, or take Legendre polynomials",
+            stacklevel=4,
+        )
 
 
 def check_inertia(system: System, M: Array, G: Array) -> None:

@@ -13,7 +13,7 @@ from quickreturn.plugins.derive.checks import check_points, check_units
 from quickreturn.plugins.derive.equations import Equations, Form
 from quickreturn.plugins.derive.machine_code import MachineCode
 from quickreturn.plugins.derive.system import System, column
-from quickreturn.plugins.derive.units import Array, DescriptionError, in_si
+from quickreturn.plugins.derive.units import Array, DescriptionError, in_si, told
 
 #: Name of a parameter, a coordinate or a rate -> its value.
 Values = Mapping[str, float]
@@ -33,6 +33,7 @@ class CompiledEquations:
         DescriptionError: a mistake in the description.
     """
 
+    @told("the equations")
     def __init__(self, system: System, form: Form = "projection", feedback: float = 100.0) -> None:
         check_units(system)
         check_points(system)

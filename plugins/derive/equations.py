@@ -105,8 +105,8 @@ class Equations:
         driven = self.M[n, :n] @ self.acceleration - self.Q[n] - ca.dot(self.C[:, n], self.force)
         driven += ca.dot(self.force[self.elsewhere], (self.C @ self._w)[self.elsewhere])
         lost, done = ca.SX.sym("dissipated"), ca.SX.sym("work")
-        self.state = column(self.q, self.v[self.free], lost, done)
-        self.rates = column(q_rate, self.acceleration[self.free], heat, work + driven)
+        self.state = column(self.q, self.v[self.free, :], lost, done)
+        self.rates = column(q_rate, self.acceleration[self.free, :], heat, work + driven)
         shown = {c.name: (c.q, c.unit) for c in each} | {c.rate_name: (c.v, per(c.unit, "s")) for c in each}
         shown |= {force.name(): (force, per("J", loop.by_unit)) for loop in loops for force in ca.vertsplit(loop.force)}
         shown |= {name: (e, unit) for (name, (_, unit)), e in zip(system.outputs.items(), results, strict=True)}

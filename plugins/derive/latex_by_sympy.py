@@ -7,6 +7,7 @@ import casadi as ca
 import sympy as sp
 
 from quickreturn.plugins.derive.equations import Equations
+from quickreturn.plugins.derive.machine_code import OPERATIONS
 from quickreturn.plugins.derive.system import System, column
 from quickreturn.plugins.derive.units import DescriptionError
 
@@ -66,5 +67,5 @@ def _translated(function: ca.Function, symbols: list[sp.Symbol]) -> list[sp.Expr
         elif operation in translations:
             values[out[0]] = translations[operation](*(values[i] for i in inputs))
         else:
-            raise DescriptionError(f"operation {operation} of CasADi has no LaTeX here")
+            raise DescriptionError(f"CasADi's operation {OPERATIONS[operation]!r} has no LaTeX here")
     return outputs

@@ -40,6 +40,9 @@ _CALLS: Final = {name: "{r} = call double @" + name + f"({arguments})" for name,
 #: CasADi's number of an operation -> its LLVM instructions.
 _LINES: Final = {getattr(ca, f"OP_{name.upper()}"): line for name, line in (_TEMPLATES | _CALLS).items()}
 
+#: CasADi's number of an operation -> its name, such as "erfinv", or "call" for a function that is no expression.
+OPERATIONS: Final = {getattr(ca, name): name.removeprefix("OP_").lower() for name in dir(ca) if name.startswith("OP_")}
+
 #: Optimization level of the compiler, 0 to 3. At level 0 a function of 30,000 instructions compiles in half the time and runs three to
 #: fifteen times as long.
 EFFORT: Final = 2
@@ -91,6 +94,9 @@ def _assembly(function: Any) -> str:
         elif operation in _LINES:
             lines.append(_LINES[operation].format(r=r, a=operands[inputs[0]], b=operands[inputs[-1]]))
         else:
-            raise DescriptionError(f"operation {operation} of CasADi is not translated to machine code; write it with other functions")
+            raise DescriptionError(
+                f"CasADi's operation {OPERATIONS[operation]!r} is not translated to machine code; write it with other functions, and an"
+                " `interpolant` as System.table"
+            )
         operands[outputs[0]] = r
     return "\n".join([*lines, "ret void", "}"])

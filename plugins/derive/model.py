@@ -31,6 +31,9 @@ SMALLEST_PART: Final = 1e-6
 TURN: Final = 0.5
 #: Change of the energy in each step, over the tolerance and the energy in motion, that errors of integration explain.
 DRIFT: Final = 10.0
+#: Scale of the error of dissipated energy and work, over the kinetic energy with each speed a coordinate's size in a second. With 1 a
+#: recorded motion changes the energy balance by more than is allowed.
+WORK: Final = 0.01
 #: Relative rounding of a potential energy whose parts cancel.
 ROUNDING: Final = 1e-12
 #: Smallest part of a motion, over its size, in which a force that acts elsewhere must move what it acts on.
@@ -159,7 +162,10 @@ class Model(CompiledEquations):
         _, G, M = self.loops(y[: len(self.system.coordinates)], p)
         check_inertia(self.system, M, G[:, :-1])
         self.check(y, p, tolerance)
-        states, steps = self.integrate(self.rates, y, times, p, tolerance, self.error_sizes(), method)
+        sizes, n = self.error_sizes(), len(M)
+        if self.system.curves:  # forces may jump at the points of a table: there steps must be short enough for the work
+            sizes[-2:] = WORK * 0.5 * sizes[:n] @ M @ sizes[:n] or np.inf
+        states, steps = self.integrate(self.rates, y, times, p, tolerance, sizes, method)
         self.check_drives(times, states, p)
         frame = self.observe(times, states, p)
         self.check_motion(frame, y, p, tolerance, steps)

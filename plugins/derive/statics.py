@@ -9,6 +9,7 @@ import casadi as ca
 import numpy as np
 from scipy.linalg import eigh
 
+from quickreturn.plugins.derive.checks import check_inertia
 from quickreturn.plugins.derive.compiled import Values
 from quickreturn.plugins.derive.model import Model
 from quickreturn.plugins.derive.system import column
@@ -104,6 +105,13 @@ class Statics:
         Raises:
             DescriptionError: the position is singular, a loop repeats another, or a loop's force acts elsewhere.
         """
+        small, moved = self.small(at)
+        if moved:
+            warnings.warn(moved, stacklevel=3)
+        return small
+
+    def small(self, at: Values) -> tuple[Linear, str]:
+        """The same, and a sentence in place of the warning, empty if it is at rest there."""
         if names := [loop.name for loop in self._model.system.loops if loop.elsewhere]:
             raise DescriptionError(
                 f"small motions of {self._model.system.name!r}: loops {names} act elsewhere than they hold; leave them out, and hold the"
@@ -111,26 +119,26 @@ class Statics:
             )
         q = self._model.start(at, self._parameters)[: len(self._names)]
         nothing = np.zeros(self._model.equations.gap.numel())
-        balance, _, G, *_ = self._at(q, nothing)
+        balance, _, G, _, M, *_ = self._at(q, nothing)
+        check_inertia(self._model.system, M, np.vstack([G, np.eye(len(q))[self._held]]))
         force = np.asarray(np.linalg.lstsq(G[:, self._moving].T, -balance[self._moving], rcond=None)[0], dtype=np.float64)
         pushed = balance
         balance, _, G, _, M, D, K = self._at(q, force)
         Z = self._possible(G)
-        self._tell_if_moving(Z, Z.T @ K @ Z, Z.T @ balance, float(np.linalg.norm(Z.T @ np.abs(pushed))))
-        return Linear(Z.T @ M @ Z, Z.T @ D @ Z, 0.5 * Z.T @ (K + K.T) @ Z, Z)
+        moved = self._moved(Z, Z.T @ K @ Z, Z.T @ balance, float(np.linalg.norm(Z.T @ np.abs(pushed))))
+        return Linear(Z.T @ M @ Z, Z.T @ D @ Z, 0.5 * Z.T @ (K + K.T) @ Z, Z), moved
 
-    def _tell_if_moving(self, Z: Array, K: Array, balance: Array, pushed: float) -> None:
-        """Warn of forces that are out of balance: they move a coordinate without end, or by more than AWAY of its size."""
+    def _moved(self, Z: Array, K: Array, balance: Array, pushed: float) -> str:
+        """Tell of forces that are out of balance: they move a coordinate without end, or by more than AWAY of its size."""
         coordinates, shift = self._model.system.coordinates, np.linalg.lstsq(K, balance, rcond=1e-12)[0]
         endless = float(np.linalg.norm(balance - K @ shift)) > ROUNDING * pushed
         far = np.abs(Z @ (balance if endless else shift)) / np.array([c.size for c in coordinates])
-        if endless or np.max(far, initial=0.0) > AWAY:
-            name = coordinates[int(np.argmax(far))].name
-            warnings.warn(
-                f"{self._model.system.name!r} is not at rest there: forces move {name!r}; vibrations are small about an equilibrium"
-                " (Statics(model).equilibrium)",
-                stacklevel=4,
-            )
+        if not endless and np.max(far, initial=0.0) <= AWAY:
+            return ""
+        return (
+            f"{self._model.system.name!r} is not at rest there: forces move {coordinates[int(np.argmax(far))].name!r}; vibrations are small"
+            " about an equilibrium (Statics(model).equilibrium)"
+        )
 
     def _possible(self, G: Array) -> Array:
         """The small motions that loops and held coordinates allow, as columns."""

@@ -1,68 +1,13 @@
 """The description of a planar mechanism: coordinates, bodies, loads, loops, outputs (thesis, section 4.4)."""
 
-from collections.abc import Sequence
-from math import isfinite
-from numbers import Real
+from collections.abc import Callable, Sequence
 from types import SimpleNamespace
 from typing import Any, Final, NamedTuple
 
 import casadi as ca
-import numpy as np
 
-from quickreturn.plugins.derive.units import Array, DescriptionError, in_si
-
-
-class Table:
-    """Columns that are cubic in a coordinate s on intervals of equal length; the equations use their values at the present s.
-
-    Args:
-        index: the coordinate's place among the coordinates.
-        unit: unit of the coordinate.
-        away: s minus its frozen value: its value is 0, its derivative by s is 1.
-        low: smallest s, in SI.
-        step: length of the intervals, in SI.
-        coefficients: shape (intervals, 4, columns), of powers of s minus the beginning of the interval, the highest first.
-    """
-
-    def __init__(self, index: int, unit: str, away: ca.SX, low: float, step: float, coefficients: Any) -> None:
-        self.index, self._unit = index, unit
-        self.put(low, step, coefficients)
-        self.row = ca.SX.sym("row", self.coefficients.shape[2])
-        self.row_slope = ca.SX.sym("row slope", self.coefficients.shape[2])
-        self.units: dict[int, str] = {}  # column in use -> unit
-        self._away = away
-
-    def put(self, low: float, step: float, coefficients: Any) -> None:
-        """Replace the numbers by others with the same columns: compiled equations need no change. The arguments are those of the class."""
-        self.low, self.step = low, step
-        self.coefficients: Array = np.ascontiguousarray(coefficients, dtype=np.float64)
-        self.high = low + step * len(self.coefficients)
-
-    def function(self, unit: str, columns: Sequence[int], first: Sequence[int] = (), second: Sequence[int] = ()) -> ca.SX:
-        """f(s) = f0 + f1 d + f2 d^2 / 2 as a column; d is s minus its present value, so f's derivatives by s are those of the table.
-
-        Args:
-            unit: unit of f, in SI.
-            columns: columns of the table that hold f0.
-            first: columns that hold the first derivative of each by s; none: f does not depend on s.
-            second: columns that hold the second derivative.
-        """
-        values = ca.SX.zeros(len(columns))
-        for power, more in enumerate((columns, first, second)):
-            if len(more):
-                values += self.row[list(more)] * self._away**power / max(power, 1)
-                self.units |= dict.fromkeys(more, f"({unit})/({self._unit})**{power}")
-        return values
-
-    def at(self, s: float, slope: bool = False) -> Array:
-        """The row at a place, or its derivative by s; NaN outside the table, which makes an integrator take shorter steps."""
-        if not self.low <= s <= self.high:
-            return np.full(self.row.numel(), np.nan)
-        k = min(int((s - self.low) / self.step), len(self.coefficients) - 1)
-        h = s - self.low - k * self.step
-        powers = np.array([3.0 * h * h, 2.0 * h, 1.0, 0.0] if slope else [h**3, h * h, h, 1.0])
-        return powers @ self.coefficients[k]
-
+from quickreturn.plugins.derive.tables import Table, curve_through
+from quickreturn.plugins.derive.units import DescriptionError, in_si, is_number, told
 
 #: Outputs of every model, besides coordinates, rates and forces of loops.
 COMMON_COLUMNS: Final = ("time", "kinetic_energy", "potential_energy", "dissipated_energy", "work", "energy_balance")
@@ -73,11 +18,13 @@ def column(*parts: Any) -> ca.SX:
     return ca.vertcat(ca.SX(0, 1), *parts)
 
 
+@told("vector")
 def vector(x: Any, y: Any) -> ca.SX:
     """A vector by its components along n1 and n2."""
     return ca.vertcat(ca.SX(x), ca.SX(y))
 
 
+@told("turned")
 def turned(angle: Any, x: Any, y: Any = 0.0) -> ca.SX:
     """The vector (x, y) of a frame that stands at an angle (rad), by its components along n1 and n2."""
     c, s = ca.cos(angle), ca.sin(angle)
@@ -143,6 +90,7 @@ class System:
         self.loops: list[Loop] = []
         self.outputs: dict[str, tuple[ca.SX, str]] = {}
         self.tables: list[Table] = []
+        self.curves: list[str] = []  # names of functions by points
         self.frozen: dict[int, ca.SX] = {}
         self.integrals: list[tuple[str, ca.SX, ca.SX]] = []  # of a beam: its name, the integrals by its points, and by twice as many
         self.slopes: list[tuple[str, ca.SX]] = []  # of a beam by its deflection: its name, the slopes at its points
@@ -151,7 +99,7 @@ class System:
     def constants(self, **values: tuple[float, str]) -> SimpleNamespace:
         """Declare parameters by name, each as (value, unit); simulations may change them. Returns their symbols as attributes."""
         for name, pair in values.items():
-            if not (isinstance(pair, tuple) and len(pair) == 2 and _is_number(pair[0]) and isinstance(pair[1], str)):
+            if not (isinstance(pair, tuple) and len(pair) == 2 and is_number(pair[0]) and isinstance(pair[1], str)):
                 raise DescriptionError(
                     f"constant {name!r} of {self.name!r} is {pair!r}; give a finite number and its unit, such as {name}=(0.5, 'm')"
                 )
@@ -160,10 +108,11 @@ class System:
             self.parameters[name] = (ca.SX.sym(name), value * in_si(unit)[0], unit)
         return SimpleNamespace(**{name: self.parameters[name][0] for name in values})
 
+    @told("coordinate")
     def coordinate(self, name: str, unit: str, rate: str = "", size: float = 1.0, guess: float = 0.0) -> ca.SX:
         """A coordinate; the name of its rate is NAME_rate unless `rate` is given. `size` and `guess` are in its unit."""
         rate, factor = rate or f"{name}_rate", in_si(unit)[0]
-        if not (_is_number(size) and size > 0.0 and _is_number(guess)):
+        if not (is_number(size) and size > 0.0 and is_number(guess)):
             raise DescriptionError(
                 f"coordinate {name!r} of {self.name!r} needs a size above zero and a finite guess, not {size} and {guess}"
             )
@@ -178,22 +127,63 @@ class System:
             raise DescriptionError(f"{count} amplitudes {name!r} of {self.name!r} cannot be; give a whole number, 0 for none")
         return column(*(self.coordinate(f"{name}_{k}", unit, size=size) for k in range(1, count + 1)))
 
+    @told("the rate")
     def rate(self, expression: ca.SX) -> ca.SX:
         """Time derivative of an expression in coordinates and time; of such a rate, the acceleration."""
         q, v, a = (column(*(getattr(c, kind) for c in self.coordinates)) for kind in "qva")
         return ca.jtimes(expression, column(q, v, self.time), column(v, a, 1))
 
+    @told("freeze")
     def freeze(self, coordinate: ca.SX) -> ca.SX:
         """The present value of a coordinate, a constant in derivatives: points can follow a slider while the material does not."""
         k = self._index(coordinate)
         return self.frozen.setdefault(k, ca.SX.sym(f"{self.coordinates[k].name} now"))
 
-    def table(self, coordinate: ca.SX, low: float, step: float, coefficients: Any) -> Table:
+    def table(
+        self, name: str, x: tuple[Sequence[float], str], y: tuple[Sequence[float], str], smooth: bool = False
+    ) -> Callable[[Any], ca.SX]:
+        """A function by points, of any expression: a torque over a speed, a force or a motion over time, a stiffness along a beam.
+
+        Between two points it is a monotone cubic (scipy's PCHIP), as is the tool's force in a case file: it stays between their values, and
+        its slope is continuous. Before the first point and after the last one it has the value of that point. Parameters NAME_x and NAME_y,
+        which are 1 in the given units, scale it.
+
+        Args:
+            name: name of the table.
+            x: ascending places of two or more points, and their unit.
+            y: values there, and their unit.
+            smooth: take a cubic spline, whose second derivative is continuous, too: for a prescribed motion. It may overshoot.
+
+        Raises:
+            DescriptionError: what is given makes no table.
+        """
+        for axis, pair in (("x", x), ("y", y)):
+            if not (isinstance(pair, tuple) and len(pair) == 2 and isinstance(pair[1], str)):
+                raise DescriptionError(
+                    f"{axis} of table {name!r} of {self.name!r} is {pair!r}; give numbers and their unit, such as ([0, 310], 'rpm')"
+                )
+        curve = curve_through(f"table {name!r} of {self.name!r}", x[0], y[0], smooth)
+        self.constants(**{f"{name}_x": (1.0, x[1]), f"{name}_y": (1.0, y[1])})
+        self.curves.append(name)
+        of_x, of_y = (self.parameters[f"{name}_{axis}"][0] for axis in "xy")
+
+        @told(f"the argument of table {name!r}")
+        def function(expression: Any) -> ca.SX:
+            u, moving = ca.SX(expression), (symbol for c in self.coordinates for symbol in (c.q, c.v, c.a))
+            known = column(self.time, *moving, *(symbol for symbol, _, _ in self.parameters.values()))
+            if all(ca.depends_on(known, symbol) for symbol in ca.symvar(u)):  # others are places along a beam
+                self.states(f"argument of table {name!r}", u, x[1])
+            return of_y * curve(u / of_x)
+
+        return function
+
+    def tabulated(self, coordinate: ca.SX, low: float, step: float, coefficients: Any) -> Table:
         """Functions of a coordinate from a table outside the equations, see `Table`."""
         k = self._index(coordinate)
         self.tables.append(Table(k, self.coordinates[k].unit, coordinate - self.freeze(coordinate), low, step, coefficients))
         return self.tables[-1]
 
+    @told("body")
     def body(self, name: str, mass: Any = 0.0, place: Any = None, inertia: Any = 0.0, angle: Any = None) -> None:
         """Add a rigid body: mass (kg), place of its centre, inertia (kg m^2) about that centre, and the angle by which it turns.
 
@@ -222,27 +212,32 @@ class System:
         self.states(f"mass of {name!r}", mass, "kg")
         self.states(f"place of {name!r}", column(x, y, origin), "m")
 
+    @told("load")
     def load(self, name: str, on: Any, value: Any) -> None:
         """Add a force (N) on a place or a torque (N m) on an angle; it may depend on coordinates, rates and time."""
         self._has_rows(f"load {name!r}", value, ca.SX(on).numel())
         self.loads.append((ca.SX(on), ca.SX(value)))
         self.states(f"load {name!r} times what it acts on", ca.SX(value) * on, "J")
 
+    @told("damper")
     def damper(self, name: str, on: Any, coefficient: Any) -> None:
         """Add a force of minus the coefficient times the rate of a place, a length or an angle."""
         self.dampers.append((ca.SX(on), ca.SX(coefficient)))
         self.states(f"coefficient of damper {name!r} times the square of what it acts on", coefficient * ca.SX(on) ** 2, "J*s")
 
+    @told("spring")
     def spring(self, name: str, extension: Any, stiffness: Any) -> None:
         """Add a spring of given extension (m, or an angle in rad) and stiffness."""
         self.energy(name, 0.5 * ca.sum1(ca.SX(stiffness) * ca.SX(extension) ** 2))
 
+    @told("energy")
     def energy(self, name: str, value: Any) -> None:
         """Add a potential energy (J) of any kind."""
         self._has_rows(f"energy of {name!r}", value, 1)
         self.energies.append(ca.SX(value))
         self.states(f"energy of {name!r}", value, "J")
 
+    @told("loop")
     def loop(self, name: str, gap: Any, unit: str = "m", gives: Sequence[ca.SX] = (), by: tuple[Any, str] | None = None) -> ca.SX:
         """Add a closed loop, or a prescribed motion: `gap` stays zero. It determines as many coordinates (`gives`) as it has rows.
 
@@ -272,6 +267,7 @@ class System:
         self.states(f"place or angle on which loop {name!r} acts", on, on_unit)
         return self.loops[-1].force
 
+    @told("output")
     def output(self, name: str, expression: Any, unit: str) -> None:
         """Add a named result: an expression in coordinates, their rates, accelerations (`rate` of a rate), forces of loops and time."""
         self._has_rows(f"output {name!r}", expression, 1)
@@ -311,7 +307,3 @@ class System:
         for name in names:
             if name in taken or name in [force.name() for loop in self.loops for force in ca.vertsplit(loop.force)]:
                 raise DescriptionError(f"the name {name!r} is used twice in {self.name!r}")
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, Real) and isfinite(value)

@@ -7,7 +7,19 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from quickreturn.derive import Beam, DescriptionError, Model, Statics, System, latex, natural_frequencies, natural_shapes, turned, vector
+from quickreturn.derive import (
+    Beam,
+    DescriptionError,
+    Model,
+    Statics,
+    System,
+    latex,
+    natural_frequencies,
+    natural_shapes,
+    state_space,
+    turned,
+    vector,
+)
 from quickreturn.plugins.derive.checks import check_units
 from quickreturn.plugins.derive.tests.descriptions import described
 
@@ -28,6 +40,10 @@ def beam(s: System, p: Any, **changed: Any) -> Beam:
 def idle(s: System) -> tuple[Any, ...]:
     """Coordinates that nothing moves."""
     return s.coordinate("along", "m"), s.coordinate("beside", "m")
+
+
+def of_casadi(u: Any) -> Any:
+    return ca.interpolant("curve", "linear", [[0.0, 1.0]], [0.0, 1.0])(u)
 
 
 def too_far(s: System, p: Any, a: Any) -> None:
@@ -93,6 +109,27 @@ MISTAKES: dict[str, Callable[[System, Any, Any], Any]] = {
     "with tangent= keeps its length exactly": lambda s, p, a: beam(s, p, deflection=None, tangent=lambda x: a * x, stretch=lambda x: a * x),
     "has an axial stiffness but does not stretch": lambda s, p, a: beam(s, p, axial_stiffness=p.stiffness * p.length),
     "beam 'arm' needs two or more edges": lambda s, p, a: beam(s, p, points=0),
+    "the damping of beam 'arm' of 'crank' has 7 values; give one, or a function": lambda s, p, a: beam(s, p, damping=ca.SX.ones(7)),
+    "beam 'arm' of 'crank' has no bending stiffness": lambda s, p, a: beam(s, p).moment(0),
+    "load 'motor' of 'crank' cannot be formed from what is given (CasADi does not take (str))": lambda s, p, a: s.load("motor", a, "3"),
+    "'call' is not translated to machine code": lambda s, p, a: s.load("motor", a, of_casadi(a) * p.stiffness * p.length**2),
+    "'call' has no LaTeX here": lambda s, p, a: s.load("motor", a, of_casadi(a)) or latex(s),
+    # functions by points
+    "table 'motor' of 'crank' has 2 x and 3 y": lambda s, p, a: s.table("motor", ([0, 1], "rad"), ([0, 1, 2], "J")),
+    "x of table 'motor' of 'crank' does not ascend: 1 follows 2": lambda s, p, a: s.table("motor", ([0, 2, 1], "rad"), ([0, 1, 2], "J")),
+    "y of table 'motor' of 'crank' contains nan": lambda s, p, a: s.table("motor", ([0, 1], "rad"), ([0, np.nan], "J")),
+    "x of table 'motor' of 'crank' is [0, 1]; give numbers": lambda s, p, a: s.table("motor", [0, 1], ([0, 1], "J")),  # type: ignore[arg-type]
+    "argument of table 'motor' is not in m": lambda s, p, a: s.load("motor", a, s.table("motor", ([0, 1], "m"), ([0, 1], "J"))(a)),
+    # linear models
+    "'torque' is no parameter of 'crank'": lambda s, p, a: state_space(Model(s), {}, "torque", "angle"),
+    "'work' is no output of small motions of 'crank'": lambda s, p, a: state_space(Model(s), {}, [], "work"),
+    "'length' moves a mass, a damper or a loop": lambda s, p, a: state_space(Model(s), {}, "length", "angle"),
+    "'crank' is not at rest there": lambda s, p, a: (s.spring("up", a - 1, p.stiffness * p.length**2), state_space(Model(s), {}, [], [])),
+    "'time' moves a mass": lambda s, p, a: (
+        s.loop("drive", a - s.time / s.constants(t=(1, "s")).t, "rad", gives=[a]),
+        state_space(Model(s), {}, [], []),
+    ),
+    "coordinate 'along' of 'crank' has no inertia": lambda s, p, a: (idle(s), natural_frequencies(Model(s), {})),
     "2 shapes between 'clamped-fre' cannot be": lambda s, p, a: natural_shapes("clamped-fre", 2),
 }
 

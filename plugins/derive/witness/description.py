@@ -12,7 +12,7 @@ import casadi as ca
 import numpy as np
 from numpy.polynomial import legendre
 
-from quickreturn.plugins.derive.beam import Beam
+from quickreturn.plugins.derive.beam import Beam, legendre_series
 from quickreturn.plugins.derive.system import System, column, turned, vector
 from quickreturn.plugins.derive.witness.tool import ForceRows, share_of_turn
 from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive
@@ -206,14 +206,12 @@ def _at_arc_length(beam: Beam, x: ca.SX) -> ca.SX:
 
 def _integrals(u: ca.SX, points: int) -> ca.SX:
     """Weights of the values at a cell's Gauss points in the integral from its begin to the fraction u of it, as a part of its length."""
-    gauss, weights = legendre.leggauss(points)
-    series = (np.arange(points)[:, None] + 0.5) * (legendre.legvander(gauss, points - 1) * weights[:, None]).T
     t = 2 * u - 1
     polynomials = [ca.SX(1), t]
     for k in range(1, points):
         polynomials.append(((2 * k + 1) * t * polynomials[k] - k * polynomials[k - 1]) / (k + 1))
     integrals = [u, *((polynomials[k + 1] - polynomials[k - 1]) / (4 * k + 2) for k in range(1, points))]
-    return ca.DM(series).T @ ca.vertcat(*integrals)
+    return ca.DM(legendre_series(points)).T @ ca.vertcat(*integrals)
 
 
 def follower(system: System, p: Any, q2: ca.SX, s: ca.SX, tables: BeamTables, shapes: int) -> Follower:
@@ -223,7 +221,7 @@ def follower(system: System, p: Any, q2: ca.SX, s: ca.SX, tables: BeamTables, sh
 
     # the tangent's angle is a sum of shapes at points that move with the slider
     now = system.freeze(s)
-    table = system.table(s, tables.low, tables.step, tables.coefficients)
+    table = system.tabulated(s, tables.low, tables.step, tables.coefficients)
     where, angle, points = columns_of_shapes(tables, shapes), "1/(kg**0.5*m)", tables.cells * (tables.gauss_points + 1)
     psi = ca.reshape(table.function(angle, *where["psi"]), points, shapes) @ eta
     slope = q2 + ca.dot(table.function(angle, *where["at slider"]), eta)
@@ -285,9 +283,7 @@ def _curvatures(psi: ca.SX, lengths: list[ca.SX], points: int) -> ca.SX:
 @cache
 def _slopes(points: int) -> ca.DM:
     """The matrix that turns values at the Gauss points of (-1, 1) into slopes at these points."""
-    gauss, weights = legendre.leggauss(points)
-    series = (np.arange(points)[:, None] + 0.5) * (legendre.legvander(gauss, points - 1) * weights[:, None]).T
-    return ca.DM(legendre.legval(gauss, legendre.legder(series)).T)
+    return ca.DM(legendre.legval(legendre.leggauss(points)[0], legendre.legder(legendre_series(points))).T)
 
 
 def _cross(a: ca.SX, b: ca.SX) -> ca.SX:

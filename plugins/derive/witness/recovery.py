@@ -12,6 +12,7 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import NDArray
 
+from quickreturn.plugins.derive.beam import legendre_series
 from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import AXIAL, BENDING, PLACES, SHAPE
 from quickreturn.reference_model.mechanism import Mechanism
@@ -118,7 +119,7 @@ def columns(scene: Mechanism, shown: Mapping[str, Array], damping_time: float) -
     cells, begins = lengths.shape[1], np.cumsum(lengths, axis=1) - lengths
     points = place.shape[1] // cells
     gauss, weights = legendre.leggauss(points)
-    series = (np.arange(points)[:, None] + 0.5) * (legendre.legvander(gauss, points - 1) * weights[:, None]).T
+    series = legendre_series(points)
     s = shown["slider_position"][:, None]
     spans = [_Span(begins[:, [k]], lengths[:, [k]], series) for k in range(cells)]
     parts = [slice(k * points, (k + 1) * points) for k in range(cells)]

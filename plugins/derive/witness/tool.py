@@ -7,7 +7,7 @@ import casadi as ca
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from quickreturn.plugins.derive.system import Table
+from quickreturn.plugins.derive.tables import Table
 from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.tip import ROUNDING, ForceTable
 
