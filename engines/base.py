@@ -19,8 +19,8 @@ from quickreturn.engines.start import Start
 from quickreturn.engines.trajectory import FollowerTrajectory, Trajectory
 from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.errors import EngineTrouble, ToldError
-from quickreturn.reference_model.mechanism import Mechanism, Scene, TorqueDrive
-from quickreturn.reference_model.quantities import Quantity
+from quickreturn.reference_model.mechanism import Mechanism, MotorCurve, PrescribedSpeed, Scene
+from quickreturn.reference_model.rigid import mean_crank_speed
 from quickreturn.reference_model.scene_values import NAMED, values_of
 
 S = TypeVar("S", bound=AnySettings)
@@ -201,7 +201,7 @@ class Engine(ABC, Generic[S]):
             for key, value in values.items():
                 name = f"{section}.{key}"
                 if (quantity := NAMED.get(name)) is not None and value != quantity.default and name not in self.quantities:
-                    accepted = _accepted_instead(scene, quantity) if quantity.default is None else quantity.default
+                    accepted = _accepted_instead(scene, name) if quantity.default is None else quantity.default
                     given = f"{value} {quantity.unit}" if quantity.unit != "1" and not quantity.in_file else f"{value}"
                     raise Refusal(f"{name}: {given} is not modelled by engine {self.name}; accepted: {accepted}")
 
@@ -277,16 +277,15 @@ class Engine(ABC, Generic[S]):
         """
 
 
-def _accepted_instead(scene: Scene, quantity: Quantity) -> str:
+def _accepted_instead(scene: Scene, name: str) -> str:
     """What to give in place of a quantity that a model lacks and that has no default: a quantity of the drive, or a table."""
-    if quantity.in_file:
+    if name.startswith("tip."):
         return "tip.force"
     if scene.crank is None:
         return "a scene with [crank]"
-    if not isinstance(drive := scene.crank.drive, TorqueDrive):
+    if isinstance(scene.crank.drive, PrescribedSpeed | MotorCurve):
         return "crank.torque and crank.damping"
-    speed = drive.torque / drive.damping if drive.damping else drive.initial_speed
-    return f'crank.prescribed_speed, such as the mean speed "{speed:.6g} rad/s"'
+    return f'crank.prescribed_speed, such as the mean speed "{mean_crank_speed(scene):.6g} rad/s"'
 
 
 def first_line(error: BaseException) -> str:
@@ -322,6 +321,8 @@ SPRING: Final[tuple[str, ...]] = ("slider.joint_stiffness", "slider.joint_dampin
 ROLLERS: Final[tuple[str, ...]] = (
     *SPRING, "slider.joint_stiffness_plus", "slider.joint_stiffness_minus", "slider.clearance", "slider.preload", "slider.contact_damping",
 )  # fmt: skip
+#: Tables of the drive: a motor's curve, and a speed over time or over the turn.
+DRIVEN: Final[tuple[str, ...]] = ("crank.torque_table", "crank.speed_table")
 #: Forces of a tool but a constant one, and the friction of its slide.
 TOOL: Final[tuple[str, ...]] = ("tip.force_following", "tip.force_table", "tip.friction_force")
 #: Friction along the follower and in its pivot.

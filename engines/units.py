@@ -19,6 +19,7 @@ from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.quantities import quantities_of
 from quickreturn.reference_model.scene_values import Changes, changed
 from quickreturn.reference_model.slider import Slider
+from quickreturn.reference_model.table import Table
 
 _Scene = TypeVar("_Scene", bound=Scene)
 _FACTOR: Final = re.compile(r"([*/ ]?)([A-Za-z]+|1)(?:\^(\d+))?")
@@ -98,6 +99,8 @@ class Units:
     def _value(self, value: Any, unit: str) -> Any:
         if value is None:
             return None
+        if isinstance(value, Table):
+            return value.in_units(self.size)
         return tuple(each / self.size(unit) for each in value) if isinstance(value, tuple) else value / self.size(unit)
 
 

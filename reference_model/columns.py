@@ -70,7 +70,7 @@ COLUMNS: Final = MappingProxyType(
         "slider_force": Observable(
             "N", "normal force on the follower at the slider, positive along the normal n = (-W', ...)", required=True, of_slider=True
         ),
-        "crank_torque": Observable("N m", "torque of the drive on the crank (constant, or what a prescribed speed takes)", of_slider=True),
+        "crank_torque": Observable("N m", "torque of the drive on the crank (given, or what a prescribed motion takes)", of_slider=True),
         "kinetic_energy": Observable("J", "all bodies"),
         "strain_energy": Observable("J", "follower (and joint spring, and spring with its stops)"),
         "dissipated_energy": Observable("J", "by all dampings since the start"),

@@ -5,8 +5,10 @@ from typing import Any, Final
 
 import numpy as np
 
-from quickreturn.reference_model.mechanism import Scene, TorqueDrive
+from quickreturn.reference_model.drive import over_angle
+from quickreturn.reference_model.mechanism import Drive, MotorCurve, PrescribedMotion, Scene, TorqueDrive
 from quickreturn.reference_model.rigid import slow_speed
+from quickreturn.reference_model.table import TURN, pieces
 from quickreturn.reference_model.tip import tool_constants
 
 #: `pace` over the slow speed of a crank, at least: it is then six times the crank's own speed.
@@ -36,14 +38,33 @@ def constants(scene: Scene) -> dict[str, Any]:
     }
 
 
-def _of_drive(scene: Scene) -> dict[str, float]:
+def _of_drive(scene: Scene) -> dict[str, Any]:
     if scene.crank is None:
-        return {**dict.fromkeys(_OF_CRANK, 0.0), "base_speed": scene.spin_up.speed, "base_time": scene.spin_up.time}
+        spin_up = {"base_speed": scene.spin_up.speed, "base_time": scene.spin_up.time}
+        return {**dict.fromkeys(_OF_CRANK, 0.0), **drive_constants(None), **spin_up}
     drive = scene.crank.drive
-    torque, damping = (drive.torque, drive.damping) if isinstance(drive, TorqueDrive) else (0.0, 0.0)
+    torque = drive.torque if isinstance(drive, TorqueDrive) else 0.0
     turning = (scene.crank_mass, scene.crank_inertia, scene.crank_moment)
-    values = (scene.pivot_distance, scene.crank.length, *turning, torque, damping, scene.slider.inertia)
-    return {**dict(zip(_OF_CRANK, values, strict=True)), "base_speed": 0.0, "base_time": 0.0}
+    values = (scene.pivot_distance, scene.crank.length, *turning, torque, drive.damping, scene.slider.inertia)
+    return {**dict(zip(_OF_CRANK, values, strict=True)), **drive_constants(drive), "base_speed": 0.0, "base_time": 0.0}
+
+
+def drive_constants(drive: Drive | None) -> dict[str, Any]:
+    """The constants of the drive's table by their symbols; `drive_table`, as of `pieces`, is (0, 5) without one.
+
+    It gives the speed at the angle q1, at the point `drive_way` (q1 - `drive_begin`) modulo `drive_period`, which is 0 for a speed over
+    time; or with a `drive_way` of 0 the torque at the speed of a free crank.
+    """
+    match drive:
+        case MotorCurve(torque_table=table):
+            values = (0.0, 0.0, 0.0, pieces(table))
+        case PrescribedMotion(speed_table=table) if table.over_turn:
+            values = (table.points[0], 1.0, TURN, pieces(table))
+        case PrescribedMotion(speed_table=table, begins_at=angle):
+            values = (angle, math.copysign(1.0, table.values[0][0]), 0.0, over_angle(table))
+        case _:
+            values = (0.0, 0.0, 0.0, np.zeros((0, 5)))
+    return dict(zip(("drive_begin", "drive_way", "drive_period", "drive_table"), values, strict=True))
 
 
 def characteristic_frequency(scene: Scene, shapes: int) -> float:

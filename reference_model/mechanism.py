@@ -13,11 +13,15 @@ import math
 from dataclasses import dataclass, field
 from typing import ClassVar, Final, Literal
 
+import numpy as np
+
+from quickreturn.reference_model.drive import balanced_speed
 from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.follower import Follower
 from quickreturn.reference_model.quantities import quantity
 from quickreturn.reference_model.slider import Slider
 from quickreturn.reference_model.spring import Spring
+from quickreturn.reference_model.table import Table
 from quickreturn.reference_model.tip import Tip
 
 #: Shortest part of a flexible follower beyond the slider's farthest place, over the follower's length. On a bent follower the slider is
@@ -29,13 +33,44 @@ LEAST_STUB: Final = 2e-5
 class TorqueDrive:
     """A constant torque against viscous friction, which without other losses turns the crank at torque / damping (thesis, table 5.2)."""
 
-    torque: float = quantity("N*m", "constant torque of the drive", named=True)
+    torque: float = quantity("N*m", "constant torque of the drive; with damping, a motor's at rest", named=True)
     damping: float = quantity(
         "N*m*s/rad",
-        "of the crank's rate: friction, or what a motor's torque loses with it",
+        "friction, or what a motor's torque loses with speed: results tell the rest",
         sign="not negative",
     )
-    initial_speed: float = quantity("rad/s", "speed at the start; torque / damping if left out", optional=True)
+    initial_speed: float = quantity("rad/s", "speed at the start; if left out, that without torque", optional=True)
+
+    @property
+    def balanced_speed(self) -> float:
+        """Speed at which no torque is left, rad/s; infinite where there is none."""
+        return self.torque / self.damping if self.damping > 0.0 else math.copysign(math.inf, self.torque)
+
+    @property
+    def largest_torque(self) -> float:
+        """Largest size of the torque at any speed, N m."""
+        return abs(self.torque)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MotorCurve:
+    """A motor whose torque on the crank is a function of the crank's speed."""
+
+    torque_table: Table = quantity(  # noqa: RUF009, which takes it for a value that all share
+        "N*m", "a CSV file of the torque over the crank's speed, a motor's curve", named=True, in_file=True
+    )
+    initial_speed: float = quantity("rad/s", "speed at the start; if left out, that without torque", optional=True)
+    damping: ClassVar[float] = 0.0
+
+    @property
+    def balanced_speed(self) -> float:
+        """Speed at which no torque is left and beyond which it opposes the motion, rad/s; infinite where there is none."""
+        return balanced_speed(self.torque_table)
+
+    @property
+    def largest_torque(self) -> float:
+        """Largest size of the torque at any speed of the table, N m."""
+        return self.torque_table.largest
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,6 +78,7 @@ class PrescribedSpeed:
     """A drive that keeps the crank at this speed, with whatever torque that takes: the crank angle is then no degree of freedom."""
 
     speed: float = quantity("rad/s", "speed of the crank, whatever it takes", key="prescribed_speed", named=True)
+    damping: ClassVar[float] = 0.0
 
     @property
     def initial_speed(self) -> float:
@@ -51,11 +87,31 @@ class PrescribedSpeed:
 
 
 @dataclass(frozen=True, kw_only=True)
+class PrescribedMotion:
+    """A drive that moves the crank as a table says, with whatever torque that takes."""
+
+    speed_table: Table = quantity(  # noqa: RUF009
+        "rad/s", "a CSV file of the crank's speed over time or its angle", named=True, in_file=True
+    )
+    begins_at: float  # crank angle at the start, rad
+    damping: ClassVar[float] = 0.0
+
+    @property
+    def initial_speed(self) -> float:
+        """Speed at the start, rad/s."""
+        return float(self.speed_table.at(np.array(self.begins_at if self.speed_table.over_turn else 0.0)))
+
+
+#: What turns the crank.
+Drive = TorqueDrive | MotorCurve | PrescribedSpeed | PrescribedMotion
+
+
+@dataclass(frozen=True, kw_only=True)
 class Crank:
     """Rigid arm OC, turning about O; its centre of mass lies on the line from O to the slider."""
 
     length: float = quantity("m", "from O to the slider; with pivot_distance at most the follower's length", sign="positive")
-    drive: TorqueDrive | PrescribedSpeed
+    drive: Drive
     mass: float = quantity("kg", "mass", sign="not negative", default=0.0, optional=False)
     center_of_mass: float = quantity("m", "centre of mass, from O towards the slider", default=0.0, optional=False)
     inertia: float = quantity("kg*m^2", "about the centre of mass", sign="not negative", default=0.0, optional=False)
@@ -180,15 +236,14 @@ class Mechanism(_Bodies):
     @property
     def crank_is_free(self) -> bool:
         """Whether the crank angle is a degree of freedom."""
-        return isinstance(self.crank.drive, TorqueDrive)
+        return isinstance(self.crank.drive, TorqueDrive | MotorCurve)
 
     @property
     def loses_energy(self) -> bool:
         """Whether damping or friction anywhere takes energy from a vibration."""
         base, follower, slider = self.base, self.follower, self.slider
-        drive = self.crank.drive.damping if isinstance(self.crank.drive, TorqueDrive) else 0.0
         losses = (
-            *(base.damping, base.friction_torque, follower.damping, follower.material_damping, drive),
+            *(base.damping, base.friction_torque, follower.damping, follower.material_damping, self.crank.drive.damping),
             *(slider.joint_damping, slider.contact_damping, slider.friction, slider.friction_force, self.tip_body.friction_force),
             0.0 if self.spring is None else self.spring.damping,
         )

@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from quickreturn.reference_model.arrays import Array
-from quickreturn.reference_model.mechanism import Base, Mechanism, Scene, TorqueDrive
+from quickreturn.reference_model.mechanism import Base, Mechanism, MotorCurve, PrescribedMotion, PrescribedSpeed, Scene, TorqueDrive
 from quickreturn.reference_model.spring import pull_of, spring_stiffness
 from quickreturn.reference_model.tip import slide_friction, tip_force
 
@@ -79,10 +79,11 @@ def pivot_torque(base: Base, rate: Array) -> Array:
 
 
 def crank_pace(mechanism: Mechanism) -> float:
-    """Scale of the crank's speed, rad/s, not negative: the larger of the initial speed and torque / damping."""
+    """Scale of the crank's speed, rad/s, not negative: the larger of the initial speed and that which its drive leads to, or gives it."""
     drive = mechanism.crank.drive
-    balanced = abs(drive.torque) / drive.damping if isinstance(drive, TorqueDrive) and drive.damping > 0.0 else 0.0
-    return max(abs(drive.initial_speed), balanced)
+    if isinstance(drive, TorqueDrive | MotorCurve):
+        return max(abs(drive.initial_speed), abs(drive.balanced_speed) if math.isfinite(drive.balanced_speed) else 0.0)
+    return drive.speed_table.largest if isinstance(drive, PrescribedMotion) else abs(drive.speed)
 
 
 #: Crank speed that counts as slow, over the speed of the start or of what the loads make of it: 1 rad/s in run 24.
@@ -97,7 +98,7 @@ def slow_speed(scene: Scene) -> float:
     if scene.crank is None:
         return 1.0
     drive, arm = scene.crank.drive, scene.crank.length
-    torque = (abs(drive.torque) if isinstance(drive, TorqueDrive) else 0.0) + scene.tip_body.largest_force * arm
+    torque = (drive.largest_torque if isinstance(drive, TorqueDrive | MotorCurve) else 0.0) + scene.tip_body.largest_force * arm
     if scene.acting_spring is not None:
         torque += abs(float(spring_across(scene, rigid_motion(scene, np.array(scene.crank.initial_angle), 0.0)))) * arm
     inertia = scene.crank_inertia + scene.follower.mass * arm**2
@@ -109,18 +110,22 @@ def slow_speed(scene: Scene) -> float:
 def mean_crank_speed(mechanism: Mechanism) -> float:
     """Mean speed (rad/s) of the crank in the periodic motion of the rigid mechanism, with all its loads and losses (equation 9.12).
 
-    It is the initial speed where no torque drives the crank, and 0 where the torque has no such motion: the crank stops on its way, or
-    becomes faster for ever.
+    It is the initial speed where no torque drives the crank, the last speed that is prescribed over time, and 0 where the torque has no
+    such motion: the crank stops on its way, or becomes faster for ever.
     """
     drive = mechanism.crank.drive
-    if not isinstance(drive, TorqueDrive) or drive.torque == 0.0:
+    if isinstance(drive, PrescribedMotion):
+        table, turn = drive.speed_table, np.linspace(0.0, 2.0 * np.pi, 4096, endpoint=False)
+        return 1.0 / float(np.mean(1.0 / table.at(turn))) if table.over_turn else table.values[0][-1]
+    if isinstance(drive, PrescribedSpeed) or drive.largest_torque == 0.0:
         return drive.initial_speed
-    way, at = math.copysign(1.0, drive.torque), np.arange(TURN_ANGLES)
+    way, at = math.copysign(1.0, drive.balanced_speed), np.arange(TURN_ANGLES)
     angle, apart = np.asarray(way * 2.0 * math.pi / TURN_ANGLES * at, dtype=np.float64), np.subtract.outer(at, at)
     slope = 0.5 * (-1.0) ** apart / np.sin(np.pi * apart / TURN_ANGLES + (apart == 0)) * (apart != 0)  # of a trigonometric polynomial
 
     def excess(speed: Array, acceleration: Array) -> Array:
-        return way * (drive.torque - rigid_kinetostatics(mechanism, angle, way * speed, way * acceleration)[1])
+        torque = drive.torque if isinstance(drive, TorqueDrive) else drive.torque_table.at(way * speed)
+        return way * (torque - rigid_kinetostatics(mechanism, angle, way * speed, way * acceleration)[1])
 
     square = np.full(TURN_ANGLES, 0.5 * (crank_pace(mechanism) or slow_speed(mechanism)) ** 2)  # half the square of the speed
     for _ in range(MOST_STEPS):
@@ -207,8 +212,7 @@ def rigid_kinetostatics(
     if (spring := mechanism.acting_spring) is not None:
         about_P -= spring.place_on(mechanism.follower.length) * spring_across(mechanism, motion)
     force = about_P / motion.slider_position
-    damping = getattr(crank.drive, "damping", 0.0)
-    about_O = mechanism.crank_inertia * np.asarray(crank_acceleration) + damping * np.asarray(crank_speed)
+    about_O = mechanism.crank_inertia * np.asarray(crank_acceleration) + crank.drive.damping * np.asarray(crank_speed)
     about_O -= mechanism.crank_moment * (np.cos(q1) * g2 - np.sin(q1) * g1)
     rubbing = (slider.friction * np.abs(force) + slider.friction_force) * np.tanh(motion.slider_speed / slider.friction_speed)
     # the follower pushes back on the crank tip with -force along its normal, and rubs along itself

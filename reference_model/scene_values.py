@@ -1,18 +1,33 @@
 """Converts between a scene and its values by section and key, as in a case file, from the declarations in `mechanism`."""
 
+import math
 from collections.abc import Container, Iterator, Mapping, Sequence
+from dataclasses import replace
 from types import MappingProxyType
-from typing import Any, Final, TypeVar, cast
+from typing import Any, Final, TypeVar, cast, get_args
 
 from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.follower import DIMENSIONS, Follower, Material, section_of
-from quickreturn.reference_model.mechanism import Base, Crank, FollowerAlone, Mechanism, PrescribedSpeed, Scene, SpinUp, TorqueDrive
+from quickreturn.reference_model.mechanism import (
+    Base,
+    Crank,
+    Drive,
+    FollowerAlone,
+    Mechanism,
+    MotorCurve,
+    PrescribedMotion,
+    PrescribedSpeed,
+    Scene,
+    SpinUp,
+    TorqueDrive,
+)
 from quickreturn.reference_model.quantities import Quantity, quantities_of
 from quickreturn.reference_model.slider import Slider
 from quickreturn.reference_model.spring import Spring
-from quickreturn.reference_model.tip import ForceTable, Tip
+from quickreturn.reference_model.table import Table
+from quickreturn.reference_model.tip import Tip
 
-Value = float | tuple[float, ...] | ForceTable
+Value = float | tuple[float, ...] | Table
 #: Section -> key -> SI value.
 Values = Mapping[str, Mapping[str, Value]]
 #: Dotted key, `section.key` -> SI value; None leaves out the key, or the section that is named alone.
@@ -23,11 +38,11 @@ Keys = Mapping[str, Container[str]]
 T = TypeVar("T")
 AnyScene = TypeVar("AnyScene", bound=Scene)
 
-#: Section -> dataclasses whose quantities it holds. A scene has only one of [crank]'s two drives.
+#: Section -> dataclasses whose quantities it holds. A scene has only one of [crank]'s drives.
 _PARTS: Final[Mapping[str, tuple[type, ...]]] = MappingProxyType(
     {
         "mechanism": (Mechanism,),
-        "crank": (Crank, TorqueDrive, PrescribedSpeed),
+        "crank": (Crank, *get_args(Drive)),
         "base": (Base, SpinUp),
         "follower": (Follower, Material),
         "tip": (Tip,),
@@ -56,18 +71,25 @@ OF_TORQUE: Final = ("crank.torque", "crank.damping", "crank.initial_speed")
 #: Keys that exclude each other: the first of each pair, and the others. A case file needs one of the two sides.
 ALTERNATIVES: Final = (
     ("crank.prescribed_speed", OF_TORQUE),
+    ("crank.torque_table", ("crank.torque", "crank.damping", "crank.prescribed_speed")),
+    ("crank.speed_table", ("crank.prescribed_speed", "crank.torque_table", *OF_TORQUE)),
     ("follower.elastic_modulus", ("follower.bending_stiffness",)),
     ("follower.density", ("follower.mass_per_length",)),
     ("follower.diameter", ("follower.thickness", "follower.width", "follower.flange", "follower.web")),
     ("follower.wall", ("follower.flange", "follower.web")),
 )
+#: Keys any of which drives the crank.
+DRIVES: Final = ("crank.prescribed_speed", "crank.speed_table", "crank.torque_table", *OF_TORQUE)
 #: Ways to give the force of a tool: each takes the place of the others, and a table also that of the window in which a constant one acts.
 FORCES: Final = ("tip.force", "tip.force_following", "tip.force_table")
 WINDOW: Final = ("tip.force_from", "tip.force_to", "tip.force_ramp")
 #: Keys that turn the base of a follower alone; a scene with a crank must not have them.
 SPIN_UP: Final = ("base.spin_up_speed", "base.spin_up_time")
 CRANK_OR_NOT: Final = f"give either [crank], or {' and '.join(SPIN_UP)} for the follower alone"
-DRIVE_CHOICE: Final = "give either prescribed_speed alone, or torque and damping (and, if the start is not torque / damping, initial_speed)"
+DRIVE_CHOICE: Final = (
+    "give either prescribed_speed or speed_table alone, or torque and damping, or torque_table"
+    " (and, if the start is not at the speed at which these leave no torque, initial_speed)"
+)
 
 
 class MissingQuantity(ImpossibleMechanism):
@@ -196,7 +218,7 @@ def misfits_of_keys(given: Keys) -> Iterator[ImpossibleMechanism]:
         if _has(given, first) and (conflicting := [other for other in others if _has(given, other)]):
             accepted = DRIVE_CHOICE if first.startswith("crank.") else "give one of them"
             yield ImpossibleMechanism(first, f"conflicts with {conflicting[0]}", accepted)
-    if "crank" in given and not any(_has(given, path) for path in ("crank.prescribed_speed", *OF_TORQUE)):
+    if "crank" in given and not any(_has(given, path) for path in DRIVES):
         yield ImpossibleMechanism("crank", "nothing drives the crank", DRIVE_CHOICE)
     elif missing := tuple(_missing(given, _is_alone(given))):
         yield MissingQuantity(missing)
@@ -239,9 +261,13 @@ def _crank(given: dict[str, Any]) -> Crank:
     """The crank with its drive. Raises ImpossibleMechanism: nothing gives an initial speed."""
     if "prescribed_speed" in given:
         return Crank(drive=PrescribedSpeed(speed=given.pop("prescribed_speed")), **given)
-    torque, damping, speed = given.pop("torque"), given.pop("damping"), given.pop("initial_speed", None)
-    if speed is None and damping == 0.0:
-        problem = "is missing, and without damping there is no speed torque / damping"
+    if "speed_table" in given:
+        begins_at = given.get("initial_angle", math.pi)
+        return Crank(drive=PrescribedMotion(speed_table=given.pop("speed_table"), begins_at=begins_at), **given)
+    speed: float | None = given.pop("initial_speed", None)
+    of_drive = {key: given.pop(key) for key in ("torque", "damping", "torque_table") if key in given}
+    drive: Any = (MotorCurve if "torque_table" in of_drive else TorqueDrive)(**of_drive, initial_speed=speed or 0.0)
+    if speed is None and math.isinf(drive.balanced_speed):
+        problem = "is missing, and no speed torque / damping, or in torque_table, leaves no torque"
         raise ImpossibleMechanism("crank.initial_speed", problem, 'give one, such as "16 rad/s"')
-    speed = torque / damping if speed is None else speed
-    return Crank(drive=TorqueDrive(torque=torque, damping=damping, initial_speed=speed), **given)
+    return Crank(drive=drive if speed is not None else replace(drive, initial_speed=drive.balanced_speed), **given)

@@ -1,7 +1,7 @@
 """The rigid body at the follower's end, and the tool that works there: its force over the crank's turn, and the friction of its slide."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.quantities import quantity
+from quickreturn.reference_model.table import ROUNDING, Table, pieces
 
-#: Two angles count as one turn apart if their difference misses a turn by no more than this (rad): a file may give few digits.
-ROUNDING: Final = 1e-6
 _NONE: Final = (0.0, 0.0)
+#: Columns of a table of the force in the fixed frame, and of one that turns with the follower's end.
+FIXED: Final = ("crank_angle", "force_n1", "force_n2")
+FOLLOWING: Final = ("crank_angle", "force_along", "force_normal")
 #: Fields of `Tip` that a table stands for, with their defaults.
 _IN_PLACE_OF_TABLE: Final = {
     "force": _NONE,
@@ -22,28 +24,6 @@ _IN_PLACE_OF_TABLE: Final = {
     "force_to": 2.0 * math.pi,
     "force_ramp": math.radians(10.0),
 }
-
-
-@dataclass(frozen=True)
-class ForceTable:
-    """A force at four crank angles or more, and between two of them a cubic that stays between both (DERIVATION.md, equation 4.11)."""
-
-    angles: tuple[float, ...]  # of the crank, rad, ascending; the first one comes again after the last one, a turn later
-    first: tuple[float, ...]  # N, along n1, or along the follower's tangent at its flexible end
-    second: tuple[float, ...]  # N, along n2, or along the normal there
-    follows: bool = False  # whether the force turns with the follower's end
-    file: str = field(default="", compare=False)  # that it comes from; "" if a case file holds it
-    text: str = field(default="", compare=False)  # the table as it was written, heading and rows
-
-    def __truediv__(self, size: float) -> "ForceTable":
-        """The same force in a unit of `size` newtons."""
-        first, second = (tuple(each / size for each in values) for values in (self.first, self.second))
-        return ForceTable(self.angles, first, second, self.follows, self.file, self.text)
-
-    def __str__(self) -> str:
-        frame = ("along the follower", "along its normal") if self.follows else ("along n1", "along n2")
-        ranges = (f"{min(each):.9g} to {max(each):.9g} N {way}" for each, way in zip((self.first, self.second), frame, strict=True))
-        return f"{self.file or 'a table'} of {len(self.angles)} points: {', '.join(ranges)}"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,7 +44,7 @@ class Tip:
     force_from: float = quantity("rad", "crank angle at which the force begins", default=0.0)
     force_to: float = quantity("rad", "crank angle at which it ends; at most a turn later", default=2.0 * math.pi)
     force_ramp: float = quantity("rad", "crank angle over which it comes and goes", sign="positive", default=math.radians(10.0))
-    force_table: ForceTable | None = quantity(  # noqa: RUF009, which takes it for a value that all share
+    force_table: Table | None = quantity(  # noqa: RUF009, which takes it for a value that all share
         "N", "in place of all these: a CSV file of the force over a turn of the crank", default=None, named=True, in_file=True
     )
     force_scale: float = quantity("1", "factor on the force, however it is given", default=1.0)
@@ -98,7 +78,7 @@ class Tip:
     @property
     def follows(self) -> bool:
         """Whether the force turns with the follower's end."""
-        return self.force_table.follows if self.force_table is not None else self.force_following != _NONE
+        return self.force_table.names == FOLLOWING if self.force_table is not None else self.force_following != _NONE
 
     @property
     def components(self) -> tuple[float, float]:
@@ -108,9 +88,7 @@ class Tip:
     @property
     def largest_force(self) -> float:
         """Largest size of the force, N; of a table at its points."""
-        table = self.force_table
-        sizes = [math.hypot(*self.components)] if table is None else map(math.hypot, table.first, table.second)
-        return abs(self.force_scale) * max(sizes)
+        return abs(self.force_scale) * (math.hypot(*self.components) if self.force_table is None else self.force_table.largest)
 
     @property
     def is_forced(self) -> bool:
@@ -150,16 +128,10 @@ def tool_force(
         return 1.0, first, second
     turned = (crank_angle - begin) % (2.0 * math.pi)
     if len(table) > 0:
-        low, high = 0, len(table)
-        while high - low > 1:
-            middle = (low + high) // 2
-            if table[middle, 0] <= turned:
-                low = middle
-            else:
-                high = middle
-        u = turned - table[low, 0]
-        first = ((table[low, 1] * u + table[low, 2]) * u + table[low, 3]) * u + table[low, 4]
-        return 1.0, first, ((table[low, 5] * u + table[low, 6]) * u + table[low, 7]) * u + table[low, 8]
+        piece = table[np.searchsorted(table[:, 0], turned, side="right") - 1]
+        u = turned - piece[0]
+        first = ((piece[1] * u + piece[2]) * u + piece[3]) * u + piece[4]
+        return 1.0, first, ((piece[5] * u + piece[6]) * u + piece[7]) * u + piece[8]
     u = min(turned, span - turned) / ramp
     if u >= 1.0:
         return 1.0, first, second
@@ -176,29 +148,11 @@ def tool_constants(tip: Tip) -> dict[str, Any]:
     return {
         "force_1": tip.force_scale * tip.components[0],
         "force_2": tip.force_scale * tip.components[1],
-        "force_begin": tip.force_from if table is None else table.angles[0],
+        "force_begin": tip.force_from if table is None else table.points[0],
         "force_span": tip.force_to - tip.force_from,
         "force_ramp": tip.force_ramp,
-        "force_table": np.zeros((0, 9)) if table is None else _pieces(table, tip.force_scale),
+        "force_table": np.zeros((0, 9)) if table is None else pieces(table, tip.force_scale),
     }
-
-
-def _pieces(table: ForceTable, scale: float) -> Array:
-    """See `constants`: the monotone cubics of Fritsch and Butland (equation 4.11)."""
-    angles = np.array(table.angles) - table.angles[0]
-    values = scale * np.array([table.first, table.second])
-    gap = np.diff(np.append(angles, 2.0 * math.pi))
-    rise = (np.roll(values, -1, axis=1) - values) / gap
-    gap_before, rise_before = np.roll(gap, 1), np.roll(rise, 1, axis=1)
-    same_way = rise * rise_before > 0.0  # the force rises, or falls, through the point; elsewhere the point is its peak
-    divisor = np.where(same_way, rise, 1.0), np.where(same_way, rise_before, 1.0)
-    mean = 3.0 * (gap + gap_before) / ((gap + 2.0 * gap_before) / divisor[0] + (2.0 * gap + gap_before) / divisor[1])
-    slope = np.where(same_way, mean, 0.0)
-    slope_behind = np.roll(slope, -1, axis=1)
-    cubic = (slope + slope_behind - 2.0 * rise) / gap**2
-    square = (3.0 * rise - 2.0 * slope - slope_behind) / gap
-    powers = np.stack([cubic, square, slope, values], axis=2)  # of either component, point by point
-    return np.ascontiguousarray(np.column_stack([angles, *powers]))
 
 
 def tip_force(tip: Tip, crank_angle: Array, end_angle: Array | float) -> NDArray[np.complex128]:

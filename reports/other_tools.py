@@ -14,7 +14,7 @@ from quickreturn.cases.files.keys import SECTIONS
 from quickreturn.cases.motion.time_scale import TURN, time_scale
 from quickreturn.reference_model.columns import AXIAL, BENDING, COLUMNS
 from quickreturn.reference_model.joint import rollers
-from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive
+from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.rigid import crank_pace, rigid_motion
 from quickreturn.reference_model.slider import Slider
 from quickreturn.reference_model.tip import WHOLE, Tip
@@ -53,14 +53,13 @@ def for_other_tools(case: Case, given: str) -> str:
         slider=mechanism.slider,
         friction_torque=mechanism.base.friction_torque,
         pivot_rate=mechanism.base.friction_rate,
-        torque=isinstance(mechanism.crank.drive, TorqueDrive),
+        drive=mechanism.crank.drive,
         axial_stiffness=0.0 if follower.is_rigid else follower.axial_stiffness,
         law=rollers(mechanism.slider),
         gravity=any(mechanism.gravity),
         spring=mechanism.acting_spring,
         tip=tip,
         tip_force=tip.is_forced,
-        force_rows=list(zip(tip.force_table.angles, tip.force_table.first, tip.force_table.second, strict=True)) if tip.force_table else [],
         whole_turn=tip.force_to - tip.force_from >= WHOLE,
         start=_start(mechanism),
         columns=columns,
@@ -92,6 +91,7 @@ def _parts(case: Case) -> dict[str, list[tuple[str, str, str, str]]]:
             (name, _value(value), keys[name].unit, keys[name].meaning)
             for name, value in values.items()
             if keys[name].moves
+            and not keys[name].in_file  # a table stands with the forces
             and name not in hidden
             and not ((section in ("slider", "spring") or name in ("friction_torque", "material_damping")) and value == keys[name].default)
         ]
@@ -99,8 +99,8 @@ def _parts(case: Case) -> dict[str, list[tuple[str, str, str, str]]]:
 
 
 def _idle_keys(tip: Tip) -> set[str]:
-    """Keys of a tip that say nothing about its motion, and that of a table, which stands with the forces."""
-    idle = {key for key in ("force", "force_following") if not any(getattr(tip, key))} | {"force_table"}
+    """Keys of a tip that say nothing about its motion."""
+    idle = {key for key in ("force", "force_following") if not any(getattr(tip, key))}
     if tip.force_scale == 1.0:
         idle.add("force_scale")
     if not tip.is_forced or tip.force_table:

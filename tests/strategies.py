@@ -19,7 +19,8 @@ from quickreturn.reference_model.follower import Follower
 from quickreturn.reference_model.mechanism import Base, Crank, Mechanism, PrescribedSpeed, TorqueDrive
 from quickreturn.reference_model.slider import Slider
 from quickreturn.reference_model.spring import Spring
-from quickreturn.reference_model.tip import ForceTable, Tip
+from quickreturn.reference_model.table import Table
+from quickreturn.reference_model.tip import FIXED, FOLLOWING, Tip
 
 Drive = Literal["torque", "prescribed", "any"]
 
@@ -197,12 +198,12 @@ def tips(beam: float, length: float, stiffness: float) -> st.SearchStrategy[Tip]
 
 
 @st.composite
-def tables(draw: st.DrawFn, force: float) -> ForceTable:
+def tables(draw: st.DrawFn, force: float) -> Table:
     """Tables of a force (N) over the crank's turn, in the fixed frame or turning with the follower's end."""
     begin, gaps = draw(numbers(-math.pi, math.pi)), draw(st.lists(numbers(0.5, 1.5), min_size=5, max_size=8))
     angles = begin + 2.0 * math.pi * np.cumsum([0.0, *gaps[:-1]]) / sum(gaps)
     values = st.lists(numbers(-1.0, 1.0).map(lambda share: share * force), min_size=len(gaps), max_size=len(gaps)).map(tuple)
-    return ForceTable(tuple(map(float, angles)), draw(values), draw(values), draw(st.booleans()))
+    return Table(draw(st.sampled_from((FIXED, FOLLOWING))), tuple(map(float, angles)), (draw(values), draw(values)))
 
 
 @st.composite

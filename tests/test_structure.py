@@ -30,27 +30,27 @@ FILES = list(MODULES.values())
 
 #: What one must know to change anything else: nothing in it imports anything outside it at the head of a file (docs/developing.md).
 KERNEL = """
-reference_model: arrays columns errors follower interpolation mechanism natural_modes quantities rigid scene_values shapes
-    slider spring tip
+reference_model: arrays columns drive errors follower interpolation mechanism natural_modes quantities rigid scene_values
+    shapes slider spring table tip
 reference_model.native: cache_folder
 engines: accurate base error_parts ladder one_run plugins progress refusals registry settings start
     trajectory
-cases.files: case document errors force_table keys number_rows reading shown text_file units written
+cases.files: case document errors keys number_rows reading shown table text_file units written
 cases.motion: cycle drifting_fit extremes first_mode moving_mode number time_scale
 cases.running: display job key store workshop
 """
 #: Lines of the kernel at most, everything counted.
-LARGEST_KERNEL = 8_850
+LARGEST_KERNEL = 9_085
 #: Room -> lines of code at most: blank lines, comments, docstrings and imports do not count, nor do tests.
 BUDGETS = {
-    "reference_model": 5_900,
-    "engines": 4_375,
+    "reference_model": 6_015,
+    "engines": 4_400,
     "cases": 5_930,
     "reports": 2_200,
     "quickreturn": 1_850,
     "pack": 90,
     "plugins/as_built": 305,
-    "plugins/conform": 935,
+    "plugins/conform": 940,
     "plugins/derive": 1_840,
     "plugins/fmu": 390,
     "plugins/linear": 325,

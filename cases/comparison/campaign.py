@@ -17,6 +17,7 @@ from quickreturn.cases.motion.steady_state import steady_state
 from quickreturn.cases.running.job import Job
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.registry import MAIN, engine
+from quickreturn.reference_model.mechanism import PrescribedMotion
 from quickreturn.reference_model.rigid import crank_pace
 
 #: Engines whose runs come first, the slowest before the others, so that no core waits for one of them at the end.
@@ -115,6 +116,9 @@ def _request(case: Case, name: str, accuracy: float | None, settings: Mapping[st
     texts = dict((settings or {}).get(name, {}))
     if not crank_pace(case.mechanism):
         raise CaseError(case.name, "[crank]", None, "the crank stands still: there is no cycle", "give it a torque or a speed")
+    if isinstance(drive := case.mechanism.crank.drive, PrescribedMotion) and not drive.speed_table.over_turn:
+        problem, accepted = "prescribes a speed over time, which has no cycle", "use simulate, or give the speed over crank_angle"
+        raise CaseError(case.name, "crank.speed_table", str(drive.speed_table), problem, accepted)
     return RunRequest(mechanism=case.mechanism, duration=case.duration, engine=name, accuracy=accuracy, settings=texts)
 
 

@@ -13,7 +13,7 @@ from quickreturn.cases.files.shown import Cell, Printable, Rows, Units, units_na
 from quickreturn.cases.files.written import as_toml
 from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.scene_values import Changes, changed_values, values_of
-from quickreturn.reference_model.tip import ForceTable
+from quickreturn.reference_model.table import Table
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -51,7 +51,7 @@ class Case(Printable):
         si = {f"{section}.{key}": value for section, keys in self.values.items() for key, value in keys.items()}
         written = {f"{section}.{key}": value for section, keys in written_document(self).values.items() for key, value in keys.items()}
         si = {path: value for path, value in si.items() if path in written or value != PATHS[path].default}
-        texts = {path: in_words(value) for path, value in written.items() if not isinstance(value, (float, tuple, ForceTable))}
+        texts = {path: in_words(value) for path, value in written.items() if not isinstance(value, (float, tuple, Table))}
         yield Rows(
             [
                 (path, shown_value(si[path]) if path in si else "", quantity.unit if path in si else "", texts.get(path, ""))

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 from quickreturn.cases.files.errors import Argument, CaseError, as_written, attempted, nearest_or_all, shortened, together
-from quickreturn.cases.files.force_table import read_force_table
 from quickreturn.cases.files.keys import HEADER, PATHS, SECTIONS, dimension_of, shown_value, text_of, usual_unit
+from quickreturn.cases.files.table import read_table
 from quickreturn.cases.files.text_file import LONGEST_LINE, toml_of
 from quickreturn.reference_model.scene_values import changed_values, replaced_by
 
@@ -181,7 +181,7 @@ def _accepted(source: str, path: str, value: Any, folder: str, others: Mapping[s
         accepted = f"write one such as [{', '.join([example] * (wanted.count or 2))}]"
     if not fits:
         raise CaseError(source, path, as_written(value), problem, accepted)
-    return read_force_table(value, source, path, folder) if wanted.in_file else value
+    return read_table(value, source, path, folder) if wanted.in_file else value
 
 
 def _unknown(source: str, path: str, value: Any) -> CaseError:

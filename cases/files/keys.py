@@ -21,7 +21,7 @@ from quickreturn.cases.files.units import (
 )
 from quickreturn.reference_model.quantities import Quantity, quantities_of, quantity
 from quickreturn.reference_model.scene_values import SECTIONS as SECTIONS_OF_SCENE
-from quickreturn.reference_model.tip import ForceTable
+from quickreturn.reference_model.table import Table
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,7 +46,7 @@ PATHS: Final = MappingProxyType({f"{section}.{key}": declared for section, keys 
 
 def shown_value(value: Any) -> str:
     """A number, or several, to nine digits; a table in words."""
-    if isinstance(value, ForceTable):
+    if isinstance(value, Table):
         return str(value)
     return ", ".join(map(shown_value, value)) if isinstance(value, (list, tuple)) else f"{value:.9g}"
 
@@ -128,7 +128,7 @@ def text_of(path: str, value: Any) -> Any:
 
     A text or list of texts is returned as it is; of a table the name of its file.
     """
-    if isinstance(value, ForceTable):
+    if isinstance(value, Table):
         return value.file or "a table"
     if isinstance(value, tuple):
         return [text_of(path, each) for each in value]

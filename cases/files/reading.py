@@ -14,7 +14,7 @@ from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.follower import Follower
 from quickreturn.reference_model.mechanism import Scene
 from quickreturn.reference_model.scene_values import MissingQuantity, Value, misfits_of_keys, replaced_by, scene_of
-from quickreturn.reference_model.tip import ForceTable
+from quickreturn.reference_model.table import Table
 
 #: Least and largest usual length of a follower, m: a watch's lever and a crane's jib.
 _LENGTHS: Final = (1e-3, 20.0)
@@ -123,7 +123,7 @@ def changes_of(texts: Mapping[str, Any], source: str) -> dict[str, Value]:
 
 
 def _written(text: Any, value: Any) -> Value:
-    if isinstance(value, ForceTable):
+    if isinstance(value, Table):
         return value
     return tuple(map(Written, value, text)) if isinstance(value, tuple) else Written(value, text)
 
@@ -205,7 +205,7 @@ def _quantity(document: Document, path: str, written: Any) -> Any:
     """SI value, or tuple of SI values, of the text at a key; of one with a tolerance the nominal value."""
     if isinstance(written, (list, tuple)):
         return tuple(_quantity(document, path, one) for one in written)
-    if isinstance(written, ForceTable) or (isinstance(written, float) and path not in document.overridden):
+    if isinstance(written, Table) or (isinstance(written, float) and path not in document.overridden):
         return written
     try:
         is_toleranced = isinstance(written, str) and PLUS_MINUS in written

@@ -10,10 +10,10 @@ from collections.abc import Sequence
 from typing import Any, Final
 
 from quickreturn.cases.files.document import Document
-from quickreturn.cases.files.force_table import text_of_table
 from quickreturn.cases.files.keys import PATHS, SECTIONS, dimension_of, si_text
+from quickreturn.cases.files.table import text_of_table
 from quickreturn.reference_model.scene_values import ALTERNATIVES, DESCRIPTIONS, OPTIONAL_SECTIONS, SPIN_UP
-from quickreturn.reference_model.tip import ForceTable
+from quickreturn.reference_model.table import Table
 
 _WIDTH: Final = 110  # characters of a line of prose
 _COLUMN: Final = 50  # largest width of keys with values, before their comments; longer ones push their own comment
@@ -82,7 +82,8 @@ def _comment(path: str, *, absent: bool) -> str:
     parts = ["" if wanted.meaning == key.replace("_", " ") else wanted.meaning]
     if wanted.infinity:
         parts.append('"inf": rigid')
-    replaced = [other.partition(".")[2] for first, others in ALTERNATIVES for other in others if path == first and absent]
+    others = dict(ALTERNATIVES).get(path, ()) if absent else ()
+    replaced = [other.partition(".")[2] for other in others if other not in dict(ALTERNATIVES)]
     if replaced:
         parts.append(f"in place of {' and '.join(filter(None, (', '.join(replaced[:-1]), replaced[-1])))}")
     told = "; ".join(filter(None, parts))
@@ -107,7 +108,7 @@ def _value(document: Document, path: str, value: Any) -> str:
         return f"[{', '.join(_value(document, path, one) for one in value)}]"
     if isinstance(value, str):
         return _toml(value)
-    if isinstance(value, ForceTable):
+    if isinstance(value, Table):
         return f'"""\n{text_of_table(value)}\n"""'
     wanted = PATHS[path]
     if not math.isfinite(value) and not (wanted.infinity and value == math.inf):

@@ -78,14 +78,14 @@ def _rms(column: str, motion: SettledMotion) -> Number:
     def rms(turn: Turn) -> float:
         return rms_over_time(turn["time"], turn[column])
 
-    value, spacing = rms(motion.run.cycle), by_spacing(rms, motion.run.cycle, ("time", column))
-    return Number(value, motion.estimate(column, "rms"), spacing, settling=motion.left * value)
+    spacing = by_spacing(rms, motion.cycle, ("time", column))
+    return Number(rms(motion.cycle), motion.estimate(column, "rms"), spacing, settling=motion.left * rms(motion.run.cycle))
 
 
 def _per_turn(column: str, motion: SettledMotion) -> Number:
     """Change of a column in a turn."""
-    values = motion.run.cycle[column]
-    return Number(float(values[-1] - values[0]), motion.estimate(column, "change"), settling=motion.left * float(np.ptp(values)))
+    values, size = motion.cycle[column], float(np.ptp(motion.run.cycle[column]))
+    return Number(float(values[-1] - values[0]), motion.estimate(column, "change"), settling=motion.left * size)
 
 
 def _consensus(half: str, motion: SettledMotion) -> Number:

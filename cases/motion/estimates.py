@@ -85,8 +85,8 @@ class MeasuredCycle:
     numbers: Mapping[str, float]  # name of an `OfTurn` whose columns are there -> number, mean of the cycles
 
     @classmethod
-    def of(cls, cycles: Sequence[Columns], measures: CycleMeasures, damping: float = 0.0) -> "MeasuredCycle":
-        """Cycles as columns of a trajectory, and the means of their measures; `damping`: see `at_shaft`."""
+    def of(cls, cycles: Sequence[Columns], measures: CycleMeasures) -> "MeasuredCycle":
+        """Cycles as columns of a trajectory, torque as `at_shaft` gives it, and the means of their measures."""
         grids = [on_common_grid(channels_of(cycle, [name for name in cycle if name not in ("time", "crank_angle")])) for cycle in cycles]
         columns = {name: np.array([grid[name] for grid in grids]) for name in grids[0]}
         halves = {"pre": slice(0, GRID // 2), "post": slice(GRID // 2, None)}
@@ -94,8 +94,7 @@ class MeasuredCycle:
         rms = {name: float(np.mean([rms_over_time(cycle["time"], cycle[name]) for cycle in cycles])) for name in columns}
         change = {name: float(np.mean([cycle[name][-1] - cycle[name][0] for cycle in cycles])) for name in (TIME, *columns)}
         given = [each for each in declared() if all({*each.columns} <= cycle.keys() for cycle in cycles)]
-        turns = [at_shaft(cycle, damping) for cycle in cycles]
-        numbers = {each.name: float(np.mean([each.of(turn) for turn in turns])) for each in given}
+        numbers = {each.name: float(np.mean([each.of(cycle) for cycle in cycles])) for each in given}
         return cls(measures, signals, rms, change, numbers)
 
 
@@ -108,7 +107,8 @@ def measured_cycles(mechanism: Mechanism, runs: Sequence[tuple[Columns, ...]]) -
         parts = [(cycle["time"], cycle["crank_angle"], {name: cycle[name] for name in CHANNELS}) for _, cycle in present]
         for (of_run, _), found in zip(present, measure_cycles(scale, parts), strict=True):
             of_run.append(found)
-    return [MeasuredCycle.of(cycles, mean_measures(of_run), damping) for cycles, of_run in zip(runs, measures, strict=True)]
+    shafts = [[at_shaft(cycle, damping) for cycle in cycles] for cycles in runs]
+    return [MeasuredCycle.of(cycles, mean_measures(of_run)) for cycles, of_run in zip(shafts, measures, strict=True)]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any, Final, TypeVar
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from quickreturn.cases.motion.estimates import NUMBER
 from quickreturn.cases.motion.extremes import extremes
 from quickreturn.cases.motion.number import NO_NUMBER, Number
-from quickreturn.cases.motion.of_turn import OfTurn, TableColumn, at_shaft, by_spacing, crank_damping
+from quickreturn.cases.motion.of_turn import OfTurn, TableColumn, Turn, at_shaft, by_spacing, crank_damping
 from quickreturn.cases.motion.request import Run
 from quickreturn.reference_model.mechanism import Mechanism
 
@@ -37,12 +38,17 @@ class SettledMotion:
         found: T = self._computed[compute]
         return found
 
+    @cached_property
+    def cycle(self) -> Turn:
+        """The columns of the run's cycle, with the torque that reaches the crank's shaft."""
+        return at_shaft(self.run.cycle, crank_damping(self.mechanism))
+
     def claim(self, column: str, angle: float) -> float | None:
         """Error of a column in the half cycle of a crank angle: the engine's own estimate, and the distance from the steady state."""
-        begin, end = self.run.cycle["crank_angle"][[0, -1]]
+        begin, end = self.cycle["crank_angle"][[0, -1]]
         half = "pre" if 2.0 * abs(angle - begin) <= abs(end - begin) else "post"
         estimate = self.run.measured.extreme_estimates.get(column, {}).get(half)
-        return None if estimate is None else estimate + self.run.approach.distance(column, float(np.ptp(self.run.cycle[column])))
+        return None if estimate is None else estimate + self.run.approach.distance(column, float(np.ptp(self.cycle[column])))
 
     def estimate(self, name: str, what: str) -> float | None:
         """The engine's estimate of the error of a number over a turn (`MeasuredNumbers.turn_estimates`); None if it has none."""
@@ -57,13 +63,13 @@ class SettledMotion:
     def extremes(self, column: str) -> tuple[Number, Number]:
         """Least and greatest value of a column that the engine gives."""
         if column not in self._computed:
-            ((low, high),) = extremes(self.run.cycle["time"], self.run.cycle[column])
+            ((low, high),) = extremes(self.cycle["time"], self.cycle[column])
             self._computed[column] = self._claimed(column, low), self._claimed(column, high)
         found: tuple[Number, Number] = self._computed[column]
         return found
 
     def _claimed(self, column: str, extreme: Number) -> Number:
-        angle = float(np.interp(extreme.time, self.run.cycle["time"], self.run.cycle["crank_angle"]))
+        angle = float(np.interp(extreme.time, self.cycle["time"], self.cycle["crank_angle"]))
         return replace(extreme, estimate=self.claim(column, angle), crank_angle=angle % (2.0 * math.pi))
 
 
@@ -93,8 +99,7 @@ def number_of(declared: OfTurn, motion: SettledMotion) -> Number:
     """The number that a function gives of the turn of a motion; `NO_NUMBER` where columns lack, or the speed is not prescribed."""
     if not {*declared.columns} <= motion.run.cycle.keys() or (declared.prescribed and motion.mechanism.crank_is_free):
         return NO_NUMBER
-    turn = at_shaft(motion.run.cycle, crank_damping(motion.mechanism))
-    value, spacing = declared.of(turn), by_spacing(declared.of, turn, declared.columns)
+    value, spacing = declared.of(motion.cycle), by_spacing(declared.of, motion.cycle, declared.columns)
     # of a motor's torque little may be left at the shaft: it settles as the whole does
     scale = abs((declared.scale or declared.of)(motion.run.cycle))
     return Number(value, motion.estimate(declared.name, NUMBER), spacing, settling=motion.left * scale)

@@ -78,14 +78,20 @@ def variation_of_speed(turn: Turn) -> float:
 
 def crank_damping(mechanism: Mechanism) -> float:
     """Damping of the crank, N m s/rad; 0 at a prescribed speed."""
-    return float(getattr(mechanism.crank.drive, "damping", 0.0))
+    return mechanism.crank.drive.damping
 
 
-def at_shaft(turn: Turn, damping: float) -> Turn:
-    """The turn with the torque that reaches the crank's shaft: torque and damping (N m s/rad) stand for a motor and its characteristic."""
-    if damping == 0.0 or not {"crank_torque", "crank_speed"} <= turn.keys():
-        return turn
-    return {**turn, "crank_torque": turn["crank_torque"] - damping * turn["crank_speed"]}
+def at_shaft(turn: Turn, damping: float) -> dict[str, Array]:
+    """The turn with torque and work that reach the crank's shaft: torque and damping (N m s/rad) stand for a motor and its characteristic.
+
+    What the damping takes is then no part of the energy dissipated.
+    """
+    if damping == 0.0 or "crank_speed" not in turn:
+        return dict(turn)
+    time, speed = turn["time"], turn["crank_speed"]
+    taken = damping * np.append(0.0, np.cumsum((speed[1:] ** 2 + speed[:-1] ** 2) * np.diff(time) / 2.0))
+    less = {"crank_torque": damping * speed, "drive_work": taken, "dissipated_energy": taken}
+    return {name: values - less[name] if name in less else values for name, values in turn.items()}
 
 
 #: The declarations.

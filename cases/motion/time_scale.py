@@ -70,7 +70,7 @@ def time_scale(mechanism: Mechanism) -> TimeScale | None:
     """
     if mechanism.follower.is_rigid:
         return None
-    of_torque = {"crank.torque": 1.0, "crank.initial_speed": 1.0}
+    of_torque = {"crank.torque": 1.0, "crank.damping": 0.0, "crank.initial_speed": 1.0}
     return _tabulated(changed(mechanism, of_torque if mechanism.crank_is_free else {"crank.prescribed_speed": 1.0}))
 
 

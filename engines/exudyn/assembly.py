@@ -1,6 +1,7 @@
 """An Exudyn system under construction: parts that the flexible and the rigid follower share, and the list of what was built."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -8,9 +9,11 @@ import numpy as np
 from quickreturn.engines.base import ModelDescription
 from quickreturn.engines.exudyn.library import exu, items
 from quickreturn.engines.start import Start
+from quickreturn.reference_model.constants import drive_constants
 from quickreturn.reference_model.joint import joint_in_words
-from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, Scene, TorqueDrive
+from quickreturn.reference_model.mechanism import Mechanism, MotorCurve, PrescribedSpeed, Scene, TorqueDrive
 from quickreturn.reference_model.spring import spring_tension
+from quickreturn.reference_model.table import table_value
 from quickreturn.reference_model.tip import slide_friction, tool_constants, tool_force
 
 exu.config.printToConsole = False  # the command line prints JSON on stdout and nothing else there
@@ -34,6 +37,8 @@ class Assembly:
         ground: object number of the ground, at O.
         ground_coordinate: marker of a coordinate that stays zero.
         pins: object numbers of the bearings, by the name of the body that turns there.
+        begin: initializes a solver, by the function that it is given.
+        drive_rate: gives what the multiplier of a prescribed motion is multiplied by as it is summed: the crank's speed if that varies.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -43,6 +48,8 @@ class Assembly:
         self.ground = self.mbs.AddObject(items.ObjectGround())
         self.ground_coordinate = self.coordinate_marker(self.mbs.AddNode(items.NodePointGround()), 0)
         self.pins: dict[str, Any] = {}
+        self.begin: Callable[[Callable[[], bool]], bool] = lambda initialize: initialize()
+        self.drive_rate: Callable[[], float] = lambda: 1.0
         self._bodies: list[str] = []
         self._joints: list[str] = []
         self._constraints = 0
@@ -168,18 +175,51 @@ class Assembly:
         node, body = self.pinned_body(name, 0.0, start.crank_angle, start.crank_speed, self.mechanism.crank_inertia)
         self.weight(body, crank.center_of_mass, crank.mass)
         self.weight(body, crank.length, slider.mass)
-        match crank.drive:
-            case TorqueDrive(torque=torque, damping=damping):
-                if torque != 0.0:
-                    self.mbs.AddLoad(items.LoadTorqueVector(markerNumber=self.frame_marker(body), loadVector=[0.0, 0.0, torque]))
-                self.rotary_damper(node, damping)
-                return node, body, None
-            case PrescribedSpeed(speed=speed):
-                constraint = self.add_joint(
-                    "prescribed crank speed",
-                    items.ObjectConnectorCoordinate(
-                        markerNumbers=[self.ground_coordinate, self.coordinate_marker(node, 2)], offset=speed, velocityLevel=True
-                    ),
-                    1,
-                )
-                return node, body, constraint
+        begin, way, period, rows = drive_constants(drive := crank.drive).values()
+        if isinstance(drive, TorqueDrive):
+            if drive.torque != 0.0:
+                self.mbs.AddLoad(items.LoadTorqueVector(markerNumber=self.frame_marker(body), loadVector=[0.0, 0.0, drive.torque]))
+            self.rotary_damper(node, drive.damping)
+            return node, body, None
+        axis = [self.ground_coordinate, self.coordinate_marker(node, 2)]
+        if isinstance(drive, MotorCurve):
+            motor = items.ObjectConnectorCoordinateSpringDamper(markerNumbers=axis)
+            motor.springForceUserFunction = lambda mbs, time, item, angle, speed, *parameters: -table_value(speed, rows, 0.0)[0]
+            self.mbs.AddObject(motor)
+            return node, body, None
+        held = items.ObjectConnectorCoordinate(markerNumbers=axis, offset=drive.initial_speed, velocityLevel=True)
+        if isinstance(drive, PrescribedSpeed):
+            return node, body, self.add_joint("prescribed crank speed", held, 1)
+
+        def turning(mbs: Any) -> tuple[float, float]:
+            return table_value(way * (mbs.GetNodeOutput(node, exu.OutputVariableType.Rotation)[2] - begin), rows, period)
+
+        held.offsetUserFunction_t = lambda mbs, time, item, offset: turning(mbs)[0]
+        constraint = self.add_joint("prescribed crank speed", held, 1)
+        speed, slope = table_value(way * (start.crank_angle - begin), rows, period)
+        self.drive_rate = lambda: turning(self.mbs)[0]
+        load = self.mbs.AddLoad(items.LoadCoordinate(markerNumber=axis[1], load=0.0))
+        self.begin = partial(self._accelerated, node, constraint, load, way * slope * speed)
+        return node, body, constraint
+
+    def _accelerated(self, node: Any, constraint: Any, load: Any, acceleration: float, initialize: Callable[[], bool]) -> bool:
+        """Initialize a solver so that the crank begins with an acceleration.
+
+        Exudyn takes a varying speed for constant as it looks for the first accelerations, which would set the whole machine ringing. So it
+        finds them for a free crank under the torque that leads to this acceleration, in proportion to which that is.
+        """
+        found = list[float]()
+        self.mbs.SetObjectParameter(constraint, "activeConnector", False)
+        for torque in (0.0, 1.0):
+            self.mbs.SetLoadParameter(load, "load", torque)
+            initialize()
+            found.append(float(self.mbs.GetNodeOutput(node, exu.OutputVariableType.AngularAcceleration)[2]))
+        torque = (acceleration - found[0]) / (found[1] - found[0])
+        self.mbs.SetLoadParameter(load, "load", torque)
+        ready = initialize()
+        self.mbs.SetLoadParameter(load, "load", 0.0)
+        self.mbs.SetObjectParameter(constraint, "activeConnector", True)
+        multipliers = self.mbs.systemData.GetAECoordinates()
+        multipliers[self.mbs.systemData.GetObjectLTGAE(constraint)[0]] = -torque
+        self.mbs.systemData.SetAECoordinates(multipliers)
+        return ready

@@ -10,6 +10,7 @@ from importlib.util import find_spec
 from typing import Final
 
 from quickreturn.engines.base import (
+    DRIVEN,
     HELD,
     ROLLERS,
     SPIN_UP,
@@ -50,7 +51,7 @@ class ExudynEngine(Engine[ExudynSettings]):
     method = "ANCF cable elements with an ALE sliding joint, generalized-alpha (index 3)"
     default_accuracy = 3e-3
     settings_type = ExudynSettings
-    quantities = (*USUAL, *TOOL, *HELD, *ROLLERS, "follower.material_damping", SPIN_UP)
+    quantities = (*USUAL, *DRIVEN, *TOOL, *HELD, *ROLLERS, "follower.material_damping", SPIN_UP)
 
     def version(self) -> str:
         return f"exudyn {installed('exudyn') or 'not installed'}"
@@ -135,7 +136,7 @@ class _SlidingJoint(ExudynEngine):
     """What the engine accepts with a sliding joint, which has no carriage and needs a cable."""
 
     name = f'exudyn with engine.joint = "{ladder.SLIDING}"'
-    quantities = (*USUAL, *TOOL, *HELD, "follower.material_damping")
+    quantities = (*USUAL, *DRIVEN, *TOOL, *HELD, "follower.material_damping")
 
     def check(self, scene: Scene) -> None:
         super().check(scene)

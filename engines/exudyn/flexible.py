@@ -341,7 +341,7 @@ class FlexibleModel(CableModel):
         tangent, turn, _ = direction(*(values[:, -1, 2:] for values in line))
         tip_motion = TipMotion(rates[:, -1, :2], accelerations[:, -1, :2], np.arctan2(tangent[:, 1], tangent[:, 0]), turn)
         pushed = slider_force[:, None] * slider_normal
-        crank_damping = getattr(mechanism.crank.drive, "damping", 0.0)
+        crank_damping = mechanism.crank.drive.damping
         stored["strain_energy"] = stored["strain_energy"] + hold.energy
         power, power_rate = self._damped(line, frame, crank_damping * speed**2, crank_damping * speed * acceleration)
         return {

@@ -9,7 +9,7 @@ from quickreturn.engines.exudyn.assembly import Assembly
 from quickreturn.engines.exudyn.cable import Cable, dot, turned
 from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import PLACES, SHAPE
-from quickreturn.reference_model.mechanism import TorqueDrive
+from quickreturn.reference_model.mechanism import MotorCurve, PrescribedSpeed, TorqueDrive
 from quickreturn.reference_model.spring import Pull, Spring, pull_of, spring_energy
 from quickreturn.reference_model.tip import Tip, slide_friction, tip_force
 
@@ -26,7 +26,9 @@ class Record:
     rates: Array
     accelerations: Array
     multipliers: Array  # Lagrange multipliers, shape (rows, equations)
-    impulse: Array  # integral over time of the multiplier that prescribes the crank's speed, N m s, summed over the steps, shape (rows,)
+    # integral over time of the multiplier that prescribes the crank's speed, N m s, summed over the steps, shape (rows,); of its product
+    # with a speed that varies, J
+    impulse: Array
     lost: Array  # energy dissipated as `Model.joint_loss` says, J, summed over the steps: a blow may be shorter than a row; shape (rows,)
 
 
@@ -90,10 +92,17 @@ def drive_columns(assembly: Assembly, record: Record, crank: int, equation: int 
         tip_motion: of the follower's end.
     """
     angle, drive = record.coordinates[:, crank], assembly.mechanism.crank.drive
-    if isinstance(drive, TorqueDrive):
-        torque, work = np.full_like(angle, drive.torque), drive.torque * (angle - angle[0])
-    else:
-        torque, work = -record.multipliers[:, equation], -drive.speed * (record.impulse - record.impulse[0])
+    match drive:
+        case TorqueDrive():
+            torque, work = np.full_like(angle, drive.torque), drive.torque * (angle - angle[0])
+        case MotorCurve():
+            speed, acceleration = record.rates[:, crank], record.accelerations[:, crank]
+            torque = drive.torque_table.at(speed)
+            power_rate = (torque + drive.torque_table.at(speed, slope=True) * speed) * acceleration
+            work = accumulated(record.time, torque * speed, power_rate)
+        case _:
+            factor = drive.speed if isinstance(drive, PrescribedSpeed) else 1.0
+            torque, work = -record.multipliers[:, equation], -factor * (record.impulse - record.impulse[0])
     return {"crank_torque": torque, "drive_work": work + _work_on_tip(assembly, record, crank, tip_motion)}
 
 

@@ -133,7 +133,7 @@ class RigidModel(Model):
         hung = 1.0 if mechanism.acting_spring is None else mechanism.acting_spring.place_on(length) / length
         from_origin = hung * length * along + np.array([d, 0.0])
         hold = Hold.of(mechanism.acting_spring, (from_origin, hung * tip_velocity, hung * tip_acceleration))
-        c_crank, c_base = getattr(mechanism.crank.drive, "damping", 0.0), mechanism.base.damping
+        c_crank, c_base = mechanism.crank.drive.damping, mechanism.base.damping
         power = c_crank * q1_rate**2 + c_base * q2_rate**2
         half_change = c_crank * q1_rate * q1_acceleration + c_base * q2_rate * q2_acceleration
         gx, gy = mechanism.gravity

@@ -58,7 +58,7 @@ class ExudynSimulation(Simulation):
         self._length = model.assembly.scene.follower.length
         self._longest = longest_stretch(model.assembly.scene)
         try:
-            ready = self._solver.InitializeSolver(self._mbs, self._solver_settings)
+            ready = model.assembly.begin(lambda: self._solver.InitializeSolver(self._mbs, self._solver_settings))
         except exu.ExudynError as error:
             raise EngineFailure(0.0, f"Exudyn refused the start: {_one_line(str(error))}", "check the scene's parameters") from error
         if not ready:
@@ -155,7 +155,7 @@ class ExudynSimulation(Simulation):
 
     def _drive_multiplier(self) -> float:
         equation = self._model.drive_equation
-        return 0.0 if equation is None else float(self._mbs.systemData.GetAECoordinates()[equation])
+        return 0.0 if equation is None else self._model.assembly.drive_rate() * float(self._mbs.systemData.GetAECoordinates()[equation])
 
     def _solved(self) -> tuple[str, str] | None:
         smaller = "try a smaller engine.step"

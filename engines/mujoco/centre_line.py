@@ -14,8 +14,11 @@ import math
 import numpy as np
 from numba import types
 
-from quickreturn.engines.mujoco.context import VECTOR, Context, Points, compiled, dot, entry
+from quickreturn.engines.mujoco.context import VECTOR, Context, Points, compiled, dot, entry, numbers
 from quickreturn.reference_model.arrays import Array
+from quickreturn.reference_model.table import table_value
+
+value_at = compiled(table_value)
 
 
 @entry(VECTOR(types.float64, types.intp, types.float64, types.intp))
@@ -127,13 +130,24 @@ def row_of_sliding(ctx: Context, e: Points, at: tuple[Array, Array, Array, compl
 
 
 @compiled
-def crank_of(ctx: Context, time: float, qpos: Array, qvel: Array) -> tuple[complex, float, float]:
-    """The crank's arm from O to the slider (m), angle (rad) and speed (rad/s)."""
+def by_table(ctx: Context, point: float) -> tuple[float, float]:
+    """What the drive's table says at a point, and its slope."""
+    return value_at(point, numbers(ctx.drive_table, 5 * ctx.drive_points).reshape((ctx.drive_points, 5)), ctx.drive_period)
+
+
+@compiled
+def crank_of(ctx: Context, time: float, qpos: Array, qvel: Array) -> tuple[complex, float, float, float]:
+    """The crank's arm from O to the slider (m), angle (rad), speed (rad/s), and the acceleration that is prescribed (rad/s^2)."""
+    acceleration = 0.0
     if ctx.crank_is_free:
         angle, speed = qpos[0], qvel[0]
+    elif ctx.drive_points > 0:
+        angle = ctx.prescribed_angle
+        speed, slope = by_table(ctx, ctx.drive_way * (angle - ctx.drive_begin))
+        acceleration = ctx.drive_way * slope * speed
     else:
         angle, speed = ctx.prescribed_angle + ctx.prescribed_speed * time, ctx.prescribed_speed
-    return ctx.crank_length * complex(math.cos(angle), math.sin(angle)), angle, speed
+    return ctx.crank_length * complex(math.cos(angle), math.sin(angle)), angle, speed, acceleration
 
 
 @compiled

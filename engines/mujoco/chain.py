@@ -15,7 +15,7 @@ from quickreturn.engines.mujoco.centre_line import centre_line_coefficients
 from quickreturn.engines.mujoco.settings import hinge_count
 from quickreturn.engines.units import Units
 from quickreturn.reference_model.arrays import Array, eigh
-from quickreturn.reference_model.mechanism import Mechanism, Scene, TorqueDrive
+from quickreturn.reference_model.mechanism import Mechanism, Scene
 from quickreturn.reference_model.rigid import stiffness_across
 from quickreturn.reference_model.scene_values import changed
 
@@ -41,16 +41,16 @@ def build(scene: Scene, hinges: int, armature: float) -> mujoco.MjModel:
         mujoco.mjtDisableBit.mjDSBL_AUTORESET | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT | mujoco.mjtDisableBit.mjDSBL_EULERDAMP
     )
     spec.nuserdata = 1  # holds the address of the control hook's context
-    if scene.crank is not None and isinstance(scene.crank.drive, TorqueDrive):
-        _add_crank(spec, scene, scene.crank.drive)
+    if scene.crank is not None and scene.crank_is_free:
+        _add_crank(spec, scene)
     _add_follower(spec, scene, hinges, armature)
     return spec.compile()
 
 
-def _add_crank(spec: mujoco.MjSpec, mechanism: Mechanism, drive: TorqueDrive) -> None:
+def _add_crank(spec: mujoco.MjSpec, mechanism: Mechanism) -> None:
     part = mechanism.crank
     crank = add_body(spec.worldbody, "crank", 0.0, part.mass, part.center_of_mass, part.inertia)
-    add_hinge(crank, damping=drive.damping)
+    add_hinge(crank, damping=part.drive.damping)
     if mechanism.slider.mass > 0.0:
         add_body(crank, "slider", part.length, mechanism.slider.mass, 0.0, 0.0)
 

@@ -94,8 +94,13 @@ CONTEXT = np.dtype(
         ("crank_is_free", "i8"),
         ("crank_torque", "f8"),  # N m
         ("crank_damping", "f8"),  # N m s/rad
-        ("prescribed_angle", "f8"),  # at time 0
+        ("prescribed_angle", "f8"),  # at time 0, or at present if the speed varies
         ("prescribed_speed", "f8"),
+        ("drive_begin", "f8"),  # this and the next two: see `constants.drive_constants`
+        ("drive_way", "f8"),
+        ("drive_period", "f8"),
+        ("drive_table", "i8"),  # address of its rows, and their number
+        ("drive_points", "i8"),
         ("prescribed_inertia", "f8"),  # kg m^2 about O, crank and slider
         ("prescribed_weight_1", "f8"),  # N m, gravity's potential energy of crank and slider is w1 cos q1 + w2 sin q1
         ("prescribed_weight_2", "f8"),

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Final
 
 from quickreturn.engines import refusals
-from quickreturn.engines.base import FRICTION, HELD, ROLLERS, SPIN_UP, TOOL, USUAL, Comparison, Engine, ModelDescription, Simulation
+from quickreturn.engines.base import DRIVEN, FRICTION, HELD, ROLLERS, SPIN_UP, TOOL, USUAL, Comparison, Engine, ModelDescription, Simulation
 from quickreturn.engines.mujoco import installation
 from quickreturn.engines.mujoco.settings import ARMATURE, LADDER, MOST_LINKS, STIFFEST_ARMATURE, ChainSettings, description_of, hinge_count
 from quickreturn.engines.start import Start
@@ -44,7 +44,7 @@ class MujocoEngine(Engine[ChainSettings]):
     method = "MuJoCo chain of rigid links, smooth centre line with exact sliding multiplier, leapfrog of order 2"
     default_accuracy = 7e-3
     settings_type = ChainSettings
-    quantities = (*USUAL, *TOOL, *HELD, *ROLLERS, *FRICTION, "follower.material_damping", SPIN_UP)
+    quantities = (*USUAL, *DRIVEN, *TOOL, *HELD, *ROLLERS, *FRICTION, "follower.material_damping", SPIN_UP)
 
     def version(self) -> str:
         return installation.version()

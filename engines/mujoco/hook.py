@@ -10,6 +10,7 @@ import numpy as np
 from numba import carray, types  # type: ignore[attr-defined]
 
 from quickreturn.engines.mujoco.centre_line import (
+    by_table,
     centre_line_coefficients,
     crank_of,
     find_slider,
@@ -187,7 +188,7 @@ def _constrain(model: int, data: int, ctx: Context, time: float) -> None:
     qpos, qvel, applied = numbers(ctx.qpos, n), numbers(ctx.qvel, n), numbers(ctx.force_applied, n)
 
     e, rates = link_directions(ctx, qpos), link_rates(ctx, qvel)
-    crank_arm, angle, crank_speed = crank_of(ctx, time, qpos, qvel)
+    crank_arm, angle, crank_speed, crank_acceleration = crank_of(ctx, time, qpos, qvel)
     c0, c1, c2, tangent, ctx.gap = find_slider(ctx, e, crank_arm)
     normal = 1j * tangent
     row, crank_row = row_of_gap(ctx, e, c0, tangent, crank_arm)
@@ -196,11 +197,13 @@ def _constrain(model: int, data: int, ctx: Context, time: float) -> None:
     slope = (c1 * e).sum()
     ctx.slider_speed = dot(tangent, 1j * crank_arm * crank_speed - (c0 * turning).sum()) / abs(slope)
     follower = -(c0 * rates**2 * e).sum() + 2.0 * ctx.slider_speed * (c1 * turning).sum() + ctx.slider_speed**2 * (c2 * e).sum()
-    bias = dot(normal, -crank_arm * crank_speed**2 - follower)
+    bias = dot(normal, -crank_arm * crank_speed**2 - follower) + crank_row * crank_acceleration
 
-    applied[:] = 0.0
+    applied[:], torque = 0.0, ctx.crank_torque
     if ctx.crank_is_free:
-        applied[0] = ctx.crank_torque
+        if ctx.drive_points > 0:
+            torque = by_table(ctx, crank_speed)[0]
+        applied[0] = torque
     dissipation = ctx.crank_damping * crank_speed**2 + ctx.base_damping * rates[0] ** 2
     dissipation += damp_beam(ctx, e, rates, applied) + _power_lost_in_hinges(ctx, qvel) + _rub_pivot(ctx, rates[0], applied)
     tool_power, slide_loss = _push_tip(ctx, angle, e, rates, applied)
@@ -222,10 +225,10 @@ def _constrain(model: int, data: int, ctx: Context, time: float) -> None:
         multiplier = _hold(model, data, ctx, (row, sliding_row), bias, sliding, applied)
     applied += multiplier * row
     ctx.slider_force = -multiplier
-    ctx.drive_torque = ctx.crank_torque
+    ctx.drive_torque = torque
     if not ctx.crank_is_free:
         weight = ctx.prescribed_weight_2 * math.cos(angle) - ctx.prescribed_weight_1 * math.sin(angle)
-        ctx.drive_torque = weight - multiplier * crank_row
+        ctx.drive_torque = weight - multiplier * crank_row + ctx.prescribed_inertia * crank_acceleration
     if rubs:
         coulomb = ctx.friction * abs(multiplier) * sliding
         applied -= coulomb * sliding_row

@@ -234,7 +234,7 @@ def record(model: int, data: int, ctx: Context, gauges: Array, row: Any) -> None
 
     time_and_context = np.empty(2)
     mj_get_state(model, data, time_and_context.ctypes.data, TIME_AND_USERDATA)
-    _, angle, crank_speed = crank_of(ctx, time_and_context[0], qpos, qvel)
+    _, angle, crank_speed, crank_acceleration = crank_of(ctx, time_and_context[0], qpos, qvel)
     first = n - hinges - 1
     e, rates, accelerations = link_directions(ctx, qpos), link_rates(ctx, qvel), np.cumsum(qacc[first:])
     at_tip = centre_line_coefficients(ctx.follower_length, hinges, ctx.link_length, 0)
@@ -274,11 +274,11 @@ def record(model: int, data: int, ctx: Context, gauges: Array, row: Any) -> None
         if ctx.material_damping > 0.0:
             curvature -= ctx.material_damping * _bending_rate(ctx, qvel, gauges[gauge])
         row.strains[gauge] = ctx.extreme_fibre * curvature
-    crank = angle, crank_speed, qacc[0] if ctx.crank_is_free else 0.0
+    crank = angle, crank_speed, qacc[0] if ctx.crank_is_free else crank_acceleration
     pivot, at_crank = _bearing_forces(ctx, crank, e, rates, accelerations)
     row.pivot_force_x, row.pivot_force_y = pivot.real, pivot.imag
     row.crank_force_x, row.crank_force_y = at_crank.real, at_crank.imag
     row.slider_force, row.crank_torque, row.spring_force = ctx.slider_force, ctx.drive_torque, ctx.tension
-    row.kinetic_energy = energy[1] + 0.5 * ctx.prescribed_inertia * ctx.prescribed_speed**2
+    row.kinetic_energy = energy[1] + 0.5 * ctx.prescribed_inertia * crank_speed**2
     row.strain_energy, row.dissipated_energy, row.constraint_gap = strain_energy, ctx.dissipated, abs(ctx.gap)
     row.gravity_energy, row.drive_work = gravity, ctx.drive_work

@@ -23,8 +23,10 @@ from quickreturn.engines.trajectory import Trajectory, trajectory_type
 from quickreturn.engines.units import Units
 from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import ROW, by_column, recorded_columns
+from quickreturn.reference_model.constants import drive_constants
 from quickreturn.reference_model.joint import rollers
-from quickreturn.reference_model.mechanism import Mechanism, Scene, TorqueDrive
+from quickreturn.reference_model.mechanism import Mechanism, MotorCurve, Scene, TorqueDrive
+from quickreturn.reference_model.rigid import crank_pace
 from quickreturn.reference_model.tip import tool_constants
 
 #: Longest step over the stable one with a rigid follower, whose only vibration is that of a compliant joint.
@@ -52,7 +54,7 @@ class ChainSimulation(Simulation):
         self._hinges = hinge_count(scene, settings.links)
         self._model = chain.build(scene, self._hinges, _armature(scene, settings))
         self._data = mujoco.MjData(self._model)
-        self._context, self._force_table = _context(scene, self._hinges, self._data)
+        self._context, *self._tables = _context(scene, self._hinges, self._data)
         self._past = np.zeros((2, self._model.nv))
         self._data.userdata[0] = self._context.ctypes.data
         self._gauges = np.array(scene.follower.strain_gauges)
@@ -77,12 +79,11 @@ class ChainSimulation(Simulation):
     def _largest_crank_speed(self, mechanism: Mechanism, duration: float) -> float:
         """Largest crank speed that the drive alone can reach within `duration`, or at all against its damping, in the scene's units."""
         drive = mechanism.crank.drive
-        if not isinstance(drive, TorqueDrive):
-            return abs(drive.speed)
+        if not isinstance(drive, TorqueDrive | MotorCurve):
+            return crank_pace(mechanism)
         present = abs(float(self._data.qvel[0]))
-        reached = present + abs(drive.torque) * duration / mechanism.crank_inertia
-        balanced = abs(drive.torque) / drive.damping if drive.damping > 0.0 else math.inf
-        return max(present, min(reached, balanced))
+        reached = present + drive.largest_torque * duration / mechanism.crank_inertia
+        return max(present, min(reached, abs(drive.balanced_speed)))
 
     def _place(self, start: Start) -> None:
         """Set the chain's state: the hinges have the start's shape, the base such angle and rate that the slider is on the centre line."""
@@ -172,10 +173,11 @@ def _hinge_angles(tangents: Array) -> Array:
     return angles
 
 
-def _context(scene: Scene, hinges: int, data: mujoco.MjData) -> tuple[NDArray[np.void], Array]:
-    """The `CONTEXT` of a scene, shape (1,), and an array to which it has the address."""
+def _context(scene: Scene, hinges: int, data: mujoco.MjData) -> tuple[NDArray[np.void], Array, Array]:
+    """The `CONTEXT` of a scene, shape (1,), and two arrays to which it has the addresses."""
     follower, context, tool = scene.follower, np.zeros(1, CONTEXT), tool_constants(scene.tip_body)
-    table = tool.pop("force_table")
+    drive = drive_constants(None if scene.crank is None else scene.crank.drive)
+    table, drive_table = tool.pop("force_table"), drive.pop("drive_table")
     values: dict[str, Any] = {
         "qpos": data.qpos.ctypes.data,
         "qvel": data.qvel.ctypes.data,
@@ -204,6 +206,9 @@ def _context(scene: Scene, hinges: int, data: mujoco.MjData) -> tuple[NDArray[np
         **tool,
         "force_table": table.ctypes.data,
         "force_points": len(table),
+        **drive,
+        "drive_table": drive_table.ctypes.data,
+        "drive_points": len(drive_table),
         "force_follows": scene.tip_body.follows,
         "slide_friction": scene.tip_body.friction_force,
         "slide_speed": scene.tip_body.friction_speed,
@@ -214,7 +219,7 @@ def _context(scene: Scene, hinges: int, data: mujoco.MjData) -> tuple[NDArray[np
         values |= _crank_and_slider(scene)
     for name, value in values.items():
         context[name] = value
-    return context, table
+    return context, table, drive_table
 
 
 def _crank_and_slider(mechanism: Mechanism) -> dict[str, Any]:
@@ -236,9 +241,9 @@ def _crank_and_slider(mechanism: Mechanism) -> dict[str, Any]:
         values |= {"joint_is_compliant": 1, "contact_loss": law.pop("loss"), "joint_damping": law.pop("damping"), **law}
     if isinstance(drive, TorqueDrive):
         values |= {"crank_torque": drive.torque, "crank_damping": drive.damping}
-    else:
+    elif not isinstance(drive, MotorCurve):
         values |= {
-            "prescribed_speed": drive.speed,
+            "prescribed_speed": drive.initial_speed,
             "prescribed_inertia": mechanism.crank_inertia,
             "prescribed_weight_1": -mechanism.crank_moment * mechanism.gravity[0],
             "prescribed_weight_2": -mechanism.crank_moment * mechanism.gravity[1],

@@ -7,7 +7,7 @@ import numba
 import numpy as np
 from numba import types
 
-from quickreturn.engines.mujoco.centre_line import crank_of, find_slider, link_directions, rate_of, row_of_gap
+from quickreturn.engines.mujoco.centre_line import by_table, crank_of, find_slider, link_directions, rate_of, row_of_gap
 from quickreturn.engines.mujoco.context import (
     ADDRESS,
     CONTEXTS,
@@ -45,7 +45,7 @@ def _project(model: int, data: int, ctx: Context) -> None:
         return
     direction = np.empty(n)
     for iteration in range(6):
-        crank_arm, _, crank_speed = crank_of(ctx, time_and_context[0], qpos, qvel)
+        crank_arm, _, crank_speed, _ = crank_of(ctx, time_and_context[0], qpos, qvel)
         e = link_directions(ctx, qpos)
         c0, _, _, tangent, gap = find_slider(ctx, e, crank_arm)
         row, crank_row = row_of_gap(ctx, e, c0, tangent, crank_arm)
@@ -69,6 +69,16 @@ def _state(ctx: Context) -> int:
 
 
 @compiled
+def _turn_crank(ctx: Context) -> None:
+    """Advance a crank whose speed is a table over its angle by a step of the classical Runge-Kutta method."""
+    begin, total, speed = ctx.prescribed_angle, 0.0, 0.0
+    for share, weight in ((0.0, 1.0), (0.5, 2.0), (0.5, 2.0), (1.0, 1.0)):
+        speed = by_table(ctx, ctx.drive_way * (begin + share * ctx.step * speed - ctx.drive_begin))[0]
+        total += weight * speed
+    ctx.prescribed_angle = begin + ctx.step / 6.0 * total
+
+
+@compiled
 def _step(model: int, data: int, ctx: Context, past: Array) -> None:
     """One step h of the leapfrog method, of second order, from the accelerations a(t) of the last `mj_forward`.
 
@@ -89,6 +99,8 @@ def _step(model: int, data: int, ctx: Context, past: Array) -> None:
     dissipation, drive_power = ctx.dissipation, ctx.drive_power
     qvel[:] = past[0]
     mj_euler(model, data)
+    if ctx.drive_way != 0.0:
+        _turn_crank(ctx)
     past[0] = qvel
     qvel += h / 8.0 * (7.0 * acceleration - 3.0 * past[1])
     past[1] = acceleration

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Self, TypeVar
 
 from quickreturn.engines import refusals
-from quickreturn.engines.base import FRICTION, HELD, ROLLERS, SPIN_UP, TOOL, USUAL, Comparison, NoSteadyState, SteadyState
+from quickreturn.engines.base import DRIVEN, FRICTION, HELD, ROLLERS, SPIN_UP, TOOL, USUAL, Comparison, NoSteadyState, SteadyState
 from quickreturn.engines.ladder import Ladder, fitted
 from quickreturn.engines.own.beam_engine import (
     EXPLICIT,
@@ -160,7 +160,7 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
     settings_type = ReferenceSettings
     kind_of_shapes = "shapes that follow the slider"
     kind_of_clamped_shapes = "clamped modes"
-    quantities = (*USUAL, *TOOL, *HELD, "slider.inertia", *ROLLERS, *FRICTION, "follower.material_damping", SPIN_UP)
+    quantities = (*USUAL, *DRIVEN, *TOOL, *HELD, "slider.inertia", *ROLLERS, *FRICTION, "follower.material_damping", SPIN_UP)
 
     def check(self, scene: Scene) -> None:
         """Refuse also parts without mass, if the slider's joint is compliant or has friction."""

@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 
 from quickreturn.engines import refusals
-from quickreturn.engines.base import SPIN_UP, USUAL, Comparison, Engine, EngineFailure, ModelDescription
+from quickreturn.engines.base import DRIVEN, SPIN_UP, USUAL, Comparison, Engine, EngineFailure, ModelDescription
 from quickreturn.engines.own.beam_engine import ELIMINATED_SLIDER, description
 from quickreturn.engines.settings import Settings, setting
 from quickreturn.engines.start import Start
@@ -52,7 +52,7 @@ class ThesisEngine(Engine[ThesisSettings]):
     estimates = "integration"
     settings_type = ThesisSettings
     compiles = True
-    quantities = (*USUAL, "slider.inertia", SPIN_UP)
+    quantities = (*USUAL, *DRIVEN, "slider.inertia", SPIN_UP)
 
     def version(self) -> str:
         """The integrator's library; the equations are this project's own."""

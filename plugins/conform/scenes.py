@@ -14,7 +14,8 @@ from typing import Any, Final
 from quickreturn.reference_model.follower import Follower
 from quickreturn.reference_model.mechanism import Base, Crank, FollowerAlone, Mechanism, SpinUp, TorqueDrive
 from quickreturn.reference_model.scene_values import changed
-from quickreturn.reference_model.tip import ForceTable, Tip
+from quickreturn.reference_model.table import Table
+from quickreturn.reference_model.tip import FIXED, Tip
 
 OUTPUT_STEP: Final = 1e-3  # s
 DURATION: Final = 0.58  # s: a turn of the crank and a little more, so that angles run past a turn
@@ -73,7 +74,10 @@ _ONE_WAY: Final = 0.2
 #: Start angle of the crank, rad, from which the slider moves outwards.
 _OUTWARDS: Final = {"crank.initial_angle": 0.2}
 _CUT: Final = {"tip.force": (0.0, 1.5), "tip.force_from": math.radians(200.0), "tip.force_to": math.radians(300.0)}
-_TABLE: Final = ForceTable((0.3, 1.2, 2.4, 3.1, 4.0, 5.2), (0.0, -2.0, -4.0, -3.0, 2.0, 0.0), (0.0, 1.0, 1.5, 2.0, 0.5, -0.5))
+_TABLE: Final = Table(FIXED, (0.3, 1.2, 2.4, 3.1, 4.0, 5.2), ((0.0, -2.0, -4.0, -3.0, 2.0, 0.0), (0.0, 1.0, 1.5, 2.0, 0.5, -0.5)))
+#: A motor's curve, and a speed over the crank's turn that varies by a quarter.
+_MOTOR: Final = Table(("crank_speed", "crank_torque"), (0.0, 0.7 * SPEED, 1.3 * SPEED), ((0.5, 0.9, -0.4),))
+_SPEEDS: Final = Table(("crank_angle", "crank_speed"), (0.3, 1.2, 2.4, 4.0), ((SPEED, 1.1 * SPEED, 0.9 * SPEED, 0.85 * SPEED),))
 #: A spring across the follower, beyond its middle; and with stops within its travel.
 _SPRING: Final = {"spring.stiffness": 20.0, "spring.anchor": (0.03, -0.35), "spring.place": 0.4, "spring.free_length": 0.35}
 _STOPS: Final = {**_SPRING, "spring.shortest": 0.3, "spring.longest": 0.4, "spring.stop_ramp": 0.01, "spring.stop_stiffness": 30.0}
@@ -82,6 +86,7 @@ _STOPS: Final = {**_SPRING, "spring.shortest": 0.3, "spring.longest": 0.4, "spri
 _PLAIN: Final[Mapping[str, Any]] = {
     "mechanism.pivot_distance": 0.40, "crank.length": 0.09, "crank.mass": 4.0, "crank.center_of_mass": 0.06, "crank.inertia": 6e-3,
     "crank.initial_angle": 2.3, "crank.initial_speed": 9.0, "crank.torque": 1.2, "crank.damping": 0.1, "crank.prescribed_speed": SPEED,
+    "crank.torque_table": _MOTOR, "crank.speed_table": _SPEEDS,
     "base.inertia": 8e-3, "base.damping": 0.1, "base.friction_torque": 0.1, "follower.length": 0.64, "follower.mass_per_length": 0.6,
     "follower.bending_stiffness": 12.0, "follower.thickness": 2e-3, "follower.damping": 8.0, "follower.strain_gauges": (0.08, 0.22, 0.54),
     "tip.mass": 0.12, "tip.inertia": 8e-4, "tip.force_following": (3.0, 1.5), "tip.force_table": _TABLE, "slider.mass": 0.5,

@@ -73,7 +73,7 @@ def loads_of(scene: Scene, columns: Mapping[str, Array], claim: ErrorAt, *, cycl
 
 def loads_in(motion: "SettledMotion") -> Loads:
     """Loads on the parts in a settled motion."""
-    return loads_of(motion.mechanism, motion.run.cycle, motion.claim)
+    return loads_of(motion.mechanism, motion.cycle, motion.claim)
 
 
 def loads_of_run(mechanism: Mechanism, run: "Run") -> Loads | None:

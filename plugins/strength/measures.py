@@ -30,7 +30,7 @@ import numpy as np
 from quickreturn.cases.motion.extremes import extremes, of_vector
 from quickreturn.cases.motion.measure import Measure, SettledMotion, number_of
 from quickreturn.cases.motion.number import NO_NUMBER, Number
-from quickreturn.cases.motion.of_turn import OfTurn, Turn, at_shaft, crank_damping, mean_speed
+from quickreturn.cases.motion.of_turn import OfTurn, Turn, mean_speed
 from quickreturn.plugins.strength.loads import Loads, loads_in
 from quickreturn.plugins.strength.stress import ArmStress
 from quickreturn.reference_model.arrays import Array
@@ -208,13 +208,12 @@ def _power(sign: float, motion: SettledMotion) -> Number:
     """Largest power that the drive gives (1) or takes back (-1), W; 0 where it never does."""
     if not {*POWER} <= motion.run.cycle.keys():
         return NO_NUMBER
-    damping = crank_damping(motion.mechanism)
-    cycle = at_shaft(motion.run.cycle, damping)
+    cycle = motion.cycle
     ((_, largest),) = extremes(cycle["time"], sign * power(cycle))
     angle = float(np.interp(largest.time, cycle["time"], cycle["crank_angle"]))
     errors = [motion.claim(column, angle) for column in POWER]
     largest_torque, speed = (float(np.abs(cycle[column]).max()) for column in POWER)
-    sizes = speed, largest_torque + damping * speed
+    sizes = speed, largest_torque
     estimate = None if None in errors else sum(error * size for error, size in zip(errors, sizes, strict=True) if error is not None)
     return replace(largest, value=max(0.0, largest.value), estimate=estimate, crank_angle=angle % (2.0 * math.pi))
 

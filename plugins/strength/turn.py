@@ -201,11 +201,13 @@ def drive(turn: Turn) -> Said | None:
     found, given, back = (turn.of(name) for name in ("peak.crank_torque", "turn.driven_energy", "turn.returned_energy"))
     if found is None or found.crank_angle is None:
         return None
-    if turn.case.mechanism.crank_is_free:
+    least, most = (turn.of(f"{end}.crank_torque") for end in ("min", "max"))
+    if turn.case.mechanism.crank_is_free and least and most:
         mean, power = (turn.of(name) for name in ("mean.crank_torque", "mean.drive_power"))
         means = listed([turn.told(each, si) for each, si in ((mean, "N*m"), (power, "W")) if each])
-        at_shaft = f"; less crank.damping times the speed, {means} in the mean reach the shaft" if means else ""
-        return f"The drive gives a constant torque, {turn.shown(found.value, 'N*m')}{at_shaft}.", {"torque": found.value}
+        span = f"goes from {turn.told(least, 'N*m')} to {turn.told(most, 'N*m')}"
+        how = f"is constant, {turn.shown(found.value, 'N*m')}" if least.value == most.value else span
+        return f"The torque of the drive at the crank's shaft {how}; in the mean it gives {means}.", _numbers("torque", found)
     numbers, energy = _numbers("torque", found), ""
     if given is not None:
         numbers |= _numbers("energy_given", given) | (_numbers("energy_back", back) if back else {})

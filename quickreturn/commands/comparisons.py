@@ -68,14 +68,14 @@ def run(call: Call) -> int:
     options.json,
 )
 def compare(call: Call, files: Sequence[str], writes_mapping: bool, **reading: Any) -> int:
-    """Measure recorded tables of CASE and compare them with engines; or compare FILE with another FILE, column by column.
+    """Measure recorded tables of CASE and compare them with engines.
 
     A FILE is a table with `time` and any columns of a trajectory, units in the headings ("tip_deflection [mm]"; none: SI), from another
     tool, an earlier version or a test rig. Separator, decimal sign, comments and a row of units are recognised; --separator, --decimal and
     --skip say what is not, --column names the columns of other programs. `quickreturn show CASE --for-other-tools` says what to record. A
     table that begins in the standard start and has not settled is compared with the engines in the same turn of the crank, any other table
-    in the steady state. Of two files without a CASE the rows at the same instants are compared, the second one counts as right, and nothing
-    is judged.
+    in the steady state. Two files without a CASE are compared column by column in the rows at the same instants: the second one counts as
+    right, and nothing is judged.
 
     The only claim for a table is the uncertainty of its measures. Exit code 1: it departs from an engine by more than this uncertainty and
     the engine's own estimate. Exit codes 2 and 3 are those of `run`.

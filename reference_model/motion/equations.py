@@ -16,6 +16,7 @@ keeps the loop closed. Where the base's motion is prescribed, time takes the pla
 import math
 
 from quickreturn.reference_model.arrays import Array
+from quickreturn.reference_model.compiled_drive import given_torque, prescribed_acceleration
 from quickreturn.reference_model.compiled_state import state_at
 from quickreturn.reference_model.joint import BASE, ELIMINATED, ROLLERS
 from quickreturn.reference_model.motion.fields import place
@@ -72,7 +73,7 @@ def motion(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State) -> bool
     bias_accelerations(p, t, w, y)
     assemble(p, t, w, y)
     w.watched[1] = highest_frequency(p, t, w)
-    return _solve(p, t, w, slider_point)
+    return _solve(p, t, w, slider_point, prescribed_acceleration(p, q1, y.u[0]))
 
 
 @inlined
@@ -86,14 +87,17 @@ def _turn_base(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State) -> 
 
 
 @inlined
-def _solve(p: BeamParameters, t: BeamTables, w: BeamWorkspace, slider_point: int) -> bool:
-    """Accelerations and, where the loop is open, the slider's force (equations 5.1 to 5.3)."""
+def _solve(p: BeamParameters, t: BeamTables, w: BeamWorkspace, slider_point: int, prescribed: float) -> bool:
+    """Accelerations and, where the loop is open, the slider's force (equations 5.1 to 5.3); that of the crank may be `prescribed`."""
     m, first, f = p.speeds, p.first, w.facts
     if not _factor(w.M, w.factor, first, m):
         return False
     f.friction = 0.0
     for k in range(m):
-        w.acceleration[k] = w.Q[k] if k >= first else 0.0
+        w.acceleration[k] = w.Q[k] if k >= first else prescribed
+    if prescribed != 0.0:
+        for k in range(first, m):
+            w.acceleration[k] -= prescribed * w.M[k, 0]
     if p.constraint in (ELIMINATED, BASE):
         _substitute(w.factor, w.acceleration, first, m)
         return True
@@ -105,7 +109,7 @@ def _solve(p: BeamParameters, t: BeamTables, w: BeamWorkspace, slider_point: int
             w.acceleration[k] -= p.friction_force * sliding * w.sigma[k]
     _substitute(w.factor, w.acceleration, first, m)
     # the gap's second derivative without the slider's force
-    free = f.gap_bias
+    free = f.gap_bias + w.row_of_gap[0] * prescribed
     for k in range(first, m):
         free += w.row_of_gap[k] * w.acceleration[k]
     if p.constraint == ROLLERS:
@@ -183,9 +187,9 @@ def evaluate(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, y_rat
     y_rate.work[DISSIPATED] = dissipation(p, t, w, y)
     if len(y.work) > BY_JOINT:
         y_rate.work[BY_JOINT] = joint_power(p, w, y)
-    torque, speed = p.torque, f.q2_rate if p.constraint == BASE else y.u[0]
+    torque, speed = given_torque(p, y.u[0])[0], f.q2_rate if p.constraint == BASE else y.u[0]
     if p.first == 1:
-        find_forces(p, t, w)
+        find_forces(p, t, w, y)
         torque = f.torque
     y_rate.work[BY_DRIVE] = torque * speed + power_of_tool(p, t, w)
     return True

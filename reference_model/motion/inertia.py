@@ -4,6 +4,7 @@ import math
 
 from quickreturn.reference_model import joint
 from quickreturn.reference_model.arrays import Array
+from quickreturn.reference_model.compiled_drive import given_torque
 from quickreturn.reference_model.joint import BASE, ELIMINATED, ROLLERS
 from quickreturn.reference_model.motion.layout import (
     BASE_TURN,
@@ -163,7 +164,8 @@ def assemble(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State) -> No
             w.M[k, i] = _dot(w.weighted, w.V[i], size)
         if 0 < k <= n:
             w.M[k, k] += p.added_inertia[k - 1]
-    w.Q[0] += p.torque - p.crank_damping * y.u[0] + crank_weight(p, w)
+    torque, f.torque_slope = given_torque(p, y.u[0])
+    w.Q[0] += torque - p.crank_damping * y.u[0] + crank_weight(p, w)
 
 
 @inner
@@ -288,14 +290,14 @@ def _loss_of_rollers(p: BeamParameters, gap: float, rate: float) -> float:
 
 
 @inner
-def find_forces(p: BeamParameters, t: BeamTables, w: BeamWorkspace) -> None:
+def find_forces(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State) -> None:
     """To the facts: the slider's force on the follower, and the torque of the drive, or the base's where its motion is prescribed."""
     f = w.facts
     moment = _moment_about_pivot(p, t, w)
     f.normal, f.slider_force, f.slider_moment, f.torque = 0.0, 0j, 0.0, moment
     if p.constraint != BASE:
         _slider_force(p, t, w, moment)
-        f.torque = _drive_torque(p, w)
+        f.torque = _drive_torque(p, w, y)
 
 
 @inner
@@ -342,9 +344,9 @@ def _slider_force(p: BeamParameters, t: BeamTables, w: BeamWorkspace, moment: fl
 
 
 @inner
-def _drive_torque(p: BeamParameters, w: BeamWorkspace) -> float:
-    """Torque of the drive, N m: given, or what a prescribed speed takes (equation 5.7)."""
+def _drive_torque(p: BeamParameters, w: BeamWorkspace, y: State) -> float:
+    """Torque of the drive, N m: given, or what a prescribed motion takes (equation 5.7)."""
     if p.first == 0:
-        return p.torque
+        return given_torque(p, y.u[0])[0]
     # the opposite of the slider's force acts on the crank tip, and no moment: the slider turns freely on it
-    return p.LA * cross(w.facts.arm, w.facts.slider_force) - crank_weight(p, w)
+    return p.LA * cross(w.facts.arm, w.facts.slider_force) - crank_weight(p, w) + p.crank_inertia * w.acceleration[0]

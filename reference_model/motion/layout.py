@@ -59,6 +59,7 @@ class Facts:
     slider_force: complex  # N, on the follower
     slider_moment: float  # N m, on the follower
     torque: float  # N m, of the drive, or the base's where its motion is prescribed
+    torque_slope: float  # N m s/rad, derivative of a motor's by the crank's speed
 
 
 _KINDS: Final = {"int": np.int64, "float": np.float64, "complex": np.complex128}
@@ -139,6 +140,10 @@ class BeamParameters(NamedTuple):
     crank_moment: float  # kg m, mass times distance from O, with the slider's
     torque: float
     crank_damping: float
+    drive_begin: float  # this and the next three: see `constants.drive_constants`
+    drive_way: float
+    drive_period: float
+    drive_table: Matrix
     base_inertia: float
     base_damping: float
     base_friction: float  # N m

@@ -33,7 +33,7 @@ def _linearise_beam(p: BeamParameters, w: BeamWorkspace, M: Matrix, D: Matrix, K
         K[k, k] = w.squares[k - 1]
         D[k, k] = p.bending_damping * w.squares[k - 1] + p.beam_damping / p.rhoA
     if p.first == 0:
-        D[0, 0] += p.crank_damping
+        D[0, 0] += p.crank_damping - w.facts.torque_slope
 
 
 @inner

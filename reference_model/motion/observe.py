@@ -40,7 +40,7 @@ def observe(p: BeamParameters, t: BeamTables, w: BeamWorkspace, y: State, row: A
     """
     f = w.facts
     if p.first == 0:  # the equations have found them where they ask for the drive's torque
-        find_forces(p, t, w)
+        find_forces(p, t, w, y)
     slider_point = f.slider_point
     row.crank_angle, row.crank_speed, row.tip_acceleration = y.q[0], y.u[0], _tip_acceleration(p, t, w)
     row.follower_rate, row.follower_acceleration = f.q2_rate, w.a[2 * t.points + BASE_TURN]

@@ -7,6 +7,7 @@ multiplier to solve for.
 import math
 
 from quickreturn.reference_model.arrays import Array
+from quickreturn.reference_model.compiled_drive import given_torque, prescribed_acceleration
 from quickreturn.reference_model.native.compilation import inlined, inner
 from quickreturn.reference_model.state import State
 from quickreturn.reference_model.thesis.kinematics import Contact, Slider, centre_line, constraint_row, place_slider, tangent_angle
@@ -164,13 +165,16 @@ def _add_crank_and_base(
     """Crank with the slider's mass, its drive, and the base block, equations 4.10 and 4.11."""
     w.M[0, 0] += p.crank_inertia
     w.M[1, 1] += p.base_inertia
-    w.Q[0] += p.torque - p.crank_damping * q1_rate + p.crank_moment * (gravity_2 * c.a1 - gravity_1 * c.a2)
+    w.Q[0] += given_torque(p, q1_rate)[0] - p.crank_damping * q1_rate + p.crank_moment * (gravity_2 * c.a1 - gravity_1 * c.a2)
     w.Q[1] -= p.base_damping * q2_rate
 
 
 @inlined
-def project(p: ThesisParameters, k: Contact, w: ThesisWorkspace) -> bool:
-    """To `acceleration`: those of (q1, q2, eta) by projection (equations 5.1 to 5.4); False for an indefinite projected mass matrix."""
+def project(p: ThesisParameters, k: Contact, prescribed: float, w: ThesisWorkspace) -> bool:
+    """To `acceleration`: those of (q1, q2, eta) by projection (equations 5.1 to 5.4); that of q1 may be `prescribed`.
+
+    False for an indefinite projected mass matrix.
+    """
     n = p.n
     first = 0 if p.crank_is_free else 1
     size = n + 1 - first
@@ -178,13 +182,15 @@ def project(p: ThesisParameters, k: Contact, w: ThesisWorkspace) -> bool:
         A = _full_index(a + first)
         to_base = w.M[A, 1] + w.C[A] * w.M[1, 1]
         w.rhs[a] = w.Q[A] + w.C[A] * w.Q[1] - to_base * k.c0
+        if prescribed != 0.0:
+            w.rhs[a] -= (w.M[A, 0] + w.C[A] * w.M[1, 0] + to_base * w.C[0]) * prescribed
         for b in range(a + 1):
             B = _full_index(b + first)
             w.reduced[a, b] = w.M[A, B] + w.C[A] * w.M[1, B] + to_base * w.C[B]
     if not factorize(w.reduced, size):
         return False
     substitute(w.reduced, w.rhs, size)
-    w.acceleration[0] = w.rhs[0] if p.crank_is_free else 0.0
+    w.acceleration[0] = w.rhs[0] if p.crank_is_free else prescribed
     q2_acceleration = k.c0 + w.C[0] * w.acceleration[0]
     for i in range(n):
         w.acceleration[i + 2] = w.rhs[i + 1 - first]
@@ -232,7 +238,7 @@ def substitute(A: Array, b: Array, size: int) -> None:
 
 
 @inner
-def reactions(p: ThesisParameters, c: Slider, k: Contact, w: ThesisWorkspace) -> tuple[float, float]:
+def reactions(p: ThesisParameters, c: Slider, k: Contact, q1_rate: float, w: ThesisWorkspace) -> tuple[float, float]:
     """Slider force (N, normal on the follower, equation 6.1) and torque of the drive (N m, equation 6.2) after `project`."""
     row_1, row_2 = -w.Q[0], -w.Q[1]
     for a in range(p.n + 2):
@@ -240,7 +246,7 @@ def reactions(p: ThesisParameters, c: Slider, k: Contact, w: ThesisWorkspace) ->
         row_2 += w.M[1, a] * w.acceleration[a]
     multiplier = row_2 / k.B0
     # n . LA a2 = C_0 B0; the opposite of the follower's force acts on the crank
-    drive = p.torque if p.crank_is_free else row_1 + multiplier * w.C[0] * k.B0
+    drive = given_torque(p, q1_rate)[0] if p.crank_is_free else row_1 + multiplier * w.C[0] * k.B0
     return multiplier * k.normal, drive
 
 
@@ -272,4 +278,4 @@ def evaluate(p: ThesisParameters, w: ThesisWorkspace, y: State) -> tuple[bool, S
     if not k.regular:
         return False, c, k
     assemble(p, c, k, q1, q1_rate, eta, eta_rate, w)
-    return project(p, k, w), c, k
+    return project(p, k, prescribed_acceleration(p, q1, q1_rate), w), c, k

@@ -34,7 +34,7 @@ def right_hand_side(parameters: int, workspace: int, y: Array, rate: Array, row:
     q1_rate, eta_rate = state.u[0], state.eta_rate
     _to_rate(w, state, state_rate)
     state_rate.work[DISSIPATED] = dissipation(p, q1_rate, k.q2_rate, eta_rate, w)
-    force, drive = reactions(p, c, k, w)
+    force, drive = reactions(p, c, k, q1_rate, w)
     state_rate.work[BY_DRIVE] = drive * q1_rate + w.tool[1] * k.q2_rate
     for i in range(p.n):
         state_rate.work[BY_DRIVE] += w.tool[i + 2] * eta_rate[i]

@@ -124,6 +124,10 @@ class ThesisParameters(NamedTuple):
     crank_moment: float  # kg m, first moment of crank and slider about O
     torque: float  # N m
     crank_damping: float  # N m s
+    drive_begin: float  # this and the next three: see `constants.drive_constants`
+    drive_way: float
+    drive_period: float
+    drive_table: Matrix
     crank_is_free: bool
     base_inertia: float  # kg m^2
     base_damping: float  # N m s

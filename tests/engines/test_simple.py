@@ -18,6 +18,7 @@ from quickreturn.plugins.conform.scenes import ALONE, BASE, changed
 from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.mechanism import Mechanism
 from quickreturn.reference_model.scene_values import NAMED
+from quickreturn.reference_model.table import Table
 
 W = 70.0  # rad/s
 AMPLITUDE = 0.01  # m
@@ -98,6 +99,8 @@ def test_what_the_model_has_not_is_refused_by_key_and_value(name: str) -> None:
         "crank.prescribed_speed": (7.5, "7.5"),
         SPIN_UP: (6.5, "6.5"),
         "crank.torque": (0.7, "0.7"),
+        "crank.torque_table": (Table(("crank_speed", "crank_torque"), (0.0, 9.0), ((1.0, 0.0),)), "of 2 points"),
+        "crank.speed_table": (Table(("time", "crank_speed"), (0.0, 9.0), ((1.0, 3.0),)), "of 2 points"),
         "tip.force": ((1.5, 0.0), "1.5"),
         "slider.joint_stiffness": (5e3, "5000"),
     }

@@ -22,7 +22,8 @@ from quickreturn.plugins.methods.rivals import RIVALS
 from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.errors import ImpossibleMechanism
 from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
-from quickreturn.reference_model.tip import ForceTable, Tip, tip_force, tool_force
+from quickreturn.reference_model.table import Table
+from quickreturn.reference_model.tip import FIXED, FOLLOWING, Tip, tip_force, tool_force
 from tests.engines.energy import assert_agree, from_nowhere
 from tests.engines.scenes import FOLLOWER_ALONE, run_24
 from tests.strategies import tables
@@ -31,14 +32,14 @@ SHARED = ("fixed-shapes", "multiplier", "stiff-spring", "nodal-load")  # the equ
 HAVING = ("reference", "exudyn", "mujoco", *SHARED)
 ANGLES = np.radians([10.0, 60.0, 100.0, 170.0, 200.0, 260.0, 300.0, 345.0])
 VALUES = np.array([[0.0, -1.0, -4.0, 2.0, 6.0, 3.0, -2.0, 1.0], [1.0, 3.0, 2.0, -2.0, -5.0, -1.0, 2.0, 0.5]])
-TABLE = ForceTable(tuple(ANGLES), tuple(VALUES[0]), tuple(VALUES[1]))
+TABLE = Table(FIXED, tuple(ANGLES), (tuple(VALUES[0]), tuple(VALUES[1])))
 #: On 130 degrees of a turn, at whose ends the force comes and goes.
 CUTTING: dict[str, Any] = {"force": (-5.0, 2.0), "force_from": np.radians(200.0), "force_to": np.radians(330.0)}
 FORCES: dict[str, dict[str, Any]] = {
     "cutting": CUTTING,
     "always": {"force": CUTTING["force"]},
     "table": {"force_table": TABLE},
-    "table that follows": {"force_table": replace(TABLE, follows=True), "force_scale": -0.7},
+    "table that follows": {"force_table": replace(TABLE, names=FOLLOWING), "force_scale": -0.7},
     "following": {"force_following": (3.0, -2.0)},
 }
 
@@ -52,14 +53,14 @@ def tabled(crank_angle: Array) -> Array:
 
 @given(tables(5.0), st.floats(-7.0, 7.0))
 @settings(max_examples=100, deadline=None)
-def test_between_two_points_a_table_stays_between_their_values(table: ForceTable, angle: float) -> None:
+def test_between_two_points_a_table_stays_between_their_values(table: Table, angle: float) -> None:
     """A product that is touched at 70 degrees does not pull before that, as under a spline. By scipy's `pchip` through three turns."""
-    found = complex(tip_force(Tip(mass=1.0, inertia=0.0, force_table=replace(table, follows=False)), np.array(angle), 0.0))
-    points = np.array(table.angles)
+    found = complex(tip_force(Tip(mass=1.0, inertia=0.0, force_table=replace(table, names=FIXED)), np.array(angle), 0.0))
+    points = np.array(table.points)
     behind = points[0] + (angle - points[0]) % (2.0 * np.pi)
     at = int(np.searchsorted(points, behind, side="right")) - 1
     turns = np.concatenate([points + turn * 2.0 * np.pi for turn in (-1, 0, 1)])
-    for values, force in ((table.first, found.real), (table.second, found.imag)):
+    for values, force in zip(table.values, (found.real, found.imag), strict=True):
         ends = values[at], values[(at + 1) % len(values)]
         assert min(ends) - 1e-12 <= force <= max(ends) + 1e-12
         assert force == pytest.approx(float(PchipInterpolator(turns, np.tile(values, 3))(behind)), abs=1e-9)

@@ -49,8 +49,8 @@ def mirrored(scene: Scene) -> Scene:
         drive = replace(drive, torque=-drive.torque, initial_speed=-drive.initial_speed)
     tip = scene.mechanism.tip
     if tip and (table := tip.force_table):
-        angles, first, second = (each[::-1] for each in (table.angles, table.first, table.second))
-        other_table = replace(table, angles=tuple(-angle for angle in angles), first=first, second=tuple(-each for each in second))
+        angles, first, second = (each[::-1] for each in (table.points, *table.values))
+        other_table = replace(table, points=tuple(-angle for angle in angles), values=(first, tuple(-each for each in second)))
         tip = replace(tip, force_table=other_table)
     elif tip:
         tip = replace(tip, force=(tip.force[0], -tip.force[1]), force_from=-tip.force_to, force_to=-tip.force_from)

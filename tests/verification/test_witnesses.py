@@ -29,7 +29,7 @@ from quickreturn.plugins.strength.loads import loads_of
 from quickreturn.plugins.studies.sweep.rows import MeasureRequest, row
 from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import AXIAL
-from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed, TorqueDrive
+from quickreturn.reference_model.mechanism import Mechanism, PrescribedSpeed
 from quickreturn.reference_model.scene_values import changed
 from tests.engines.scenes import run_24
 from tests.witnesses import WITNESSES, Witness
@@ -131,7 +131,13 @@ def turn_of_links() -> Columns:
     turned = (columns["crank_angle"] - columns["crank_angle"][0]) / math.tau
     begin, end = np.interp([TURNS - 1.0, TURNS], turned, columns["time"])
     time = np.concatenate([[begin], columns["time"][(columns["time"] > begin) & (columns["time"] < end)], [end]])
-    return {name: np.interp(time, columns["time"], values) for name, values in columns.items()}
+    turn = {name: np.interp(time, columns["time"], values) for name, values in columns.items()}
+    drive = library_case("thesis-24").mechanism.crank.drive
+    lost = drive.damping * turn["crank_speed"]  # of a motor's torque, before its shaft
+    power = lost * turn["crank_speed"]
+    taken = np.append(0.0, np.cumsum(0.5 * (power[1:] + power[:-1]) * np.diff(time)))
+    less = {"crank_torque": lost, "drive_work": taken, "dissipated_energy": taken}
+    return turn | {name: turn[name] - values for name, values in less.items()} | {"taken": taken}
 
 
 def plain(name: str, turn: Columns) -> tuple[float, float]:
@@ -147,9 +153,7 @@ def plain(name: str, turn: Columns) -> tuple[float, float]:
         swung = float(np.abs(np.diff(turn["follower_angle"])).sum())
         return swung, swung
     if column.endswith("_power"):
-        drive = library_case("thesis-24").mechanism.crank.drive
-        assert isinstance(drive, TorqueDrive)
-        power = (turn["crank_torque"] - drive.damping * turn["crank_speed"]) * turn["crank_speed"]  # a motor's, at its shaft
+        power = turn["crank_torque"] * turn["crank_speed"]
         size = float(np.abs(power).max())
         mean, mean_square = (float(np.trapezoid(values, time)) / float(np.ptp(time)) for values in (power, power**2))
         peak = max(0.0, float((power if column == "drive_power" else -power).max()))
@@ -167,7 +171,8 @@ def plain(name: str, turn: Columns) -> tuple[float, float]:
         return found, found
     size = float(np.abs(values).max())
     if kind == "turn":
-        return float(values[-1] - values[0]), abs(float(values[-1] - values[0]))
+        of_motor = float(turn["taken"][-1]) if column in ("drive_work", "dissipated_energy") else 0.0  # which is taken from both
+        return float(values[-1] - values[0]), max(abs(float(values[-1] - values[0])), of_motor)
     mean_square = float(np.trapezoid(values**2, time)) / float(np.ptp(time))
     return {"peak": size, "min": float(values.min()), "max": float(values.max()), "rms": math.sqrt(mean_square)}[kind], size
 

@@ -9,7 +9,8 @@ from scipy.interpolate import PchipInterpolator
 
 from quickreturn.plugins.derive.tables import Table
 from quickreturn.reference_model.arrays import Array
-from quickreturn.reference_model.tip import ROUNDING, ForceTable
+from quickreturn.reference_model.table import ROUNDING
+from quickreturn.reference_model.table import Table as ForceTable
 
 
 class ForceRows(Table):
@@ -21,7 +22,7 @@ class ForceRows(Table):
 
     def follow(self, table: ForceTable, scale: float) -> None:
         """Give the force that a table holds."""
-        points = [(angle, scale * a, scale * b) for angle, a, b in zip(table.angles, table.first, table.second, strict=True)]
+        points = [(angle, scale * a, scale * b) for angle, a, b in table.rows]
         turns = np.array([(angle + turn * 2.0 * pi, *force) for turn in (-1, 0, 1) for angle, *force in points])
         self.curve, self.begin = PchipInterpolator(turns[:, 0], turns[:, 1:]), points[0][0]
 

@@ -24,8 +24,9 @@ from quickreturn.engines.start import standard_start
 from quickreturn.plugins.strength.measures import EXPONENTS, HARMONICS, equivalent_load
 from quickreturn.plugins.studies.sweep.rows import MeasureRequest, row
 from quickreturn.reference_model.arrays import Array
-from quickreturn.reference_model.mechanism import Base, Mechanism, PrescribedSpeed, TorqueDrive
+from quickreturn.reference_model.mechanism import Base, Drive, Mechanism, MotorCurve, PrescribedSpeed, TorqueDrive
 from quickreturn.reference_model.scene_values import changed
+from quickreturn.reference_model.table import Table
 from quickreturn.reference_model.tip import Tip
 from tests.engines.scenes import run_24
 from tests.verification.random_machines import sensible_machines
@@ -111,19 +112,26 @@ def test_what_a_turn_does_not_have_is_no_number() -> None:
     assert of_free["mean.drive_power"].value == pytest.approx((2.0 - run_24().crank.drive.damping * SPEED) * SPEED)  # type: ignore[union-attr]
 
 
-def test_the_shaft_of_a_machine_driven_by_a_torque_carries_what_its_parts_lose() -> None:
+STRAIGHT: Final = Table(("crank_speed", "crank_torque"), (0.0, 0.9 / 0.0277232), ((0.9, 0.0),))
+LINEAR: Final = TorqueDrive(torque=0.9, damping=0.0277232, initial_speed=32.4)
+
+
+@pytest.mark.parametrize("motor", [LINEAR, MotorCurve(torque_table=STRAIGHT, initial_speed=32.4)], ids=["linear", "curve"])
+def test_the_shaft_of_a_machine_driven_by_a_torque_carries_what_its_parts_lose(motor: Drive) -> None:
     """Torque and damping as of a motor at nearly its no-load speed: 0.9 N m and 29 W by the torque alone, of which 0.1 % do work."""
-    motor = TorqueDrive(torque=0.9, damping=0.0277232, initial_speed=32.4)
     parts = {"base": Base(inertia=1e-4, damping=1e-3), "tip": None, "gravity": (0.0, 0.0)}
     arm = dataclasses.replace(run_24().follower, bending_stiffness=20.0, damping=0.0)
     scene = dataclasses.replace(RIGID, crank=dataclasses.replace(RIGID.crank, drive=motor, inertia=5e-3), follower=arm, **parts)
     names = ("mean.drive_power", "mean.crank_torque", "mean.crank_speed", "rms.follower_rate", "turn.driven_energy", "turn.returned_energy")
-    found = row([scene], MeasureRequest(measures=(*names, "period")))
-    power, torque, speed, rate, given, back, period = found.values[0]
+    extremes = ("min.crank_torque", "max.crank_torque", "min.crank_speed", "max.crank_speed", "turn.drive_work")
+    found = row([scene], MeasureRequest(measures=(*names, "period", *extremes)))
+    power, torque, speed, rate, given, back, period, least, most, slowest, fastest, work = found.values[0]
     assert found.statuses == ("settled",)
     assert power == pytest.approx(1e-3 * rate**2, rel=1e-3)  # of the brake in P
     assert torque == pytest.approx(0.9 - 0.0277232 * speed, rel=1e-6)
     assert given - back == pytest.approx(power * period, rel=1e-3)
+    assert work == pytest.approx(power * period, rel=1e-3)
+    assert (least, most) == pytest.approx((0.9 - 0.0277232 * fastest, 0.9 - 0.0277232 * slowest), rel=1e-4)
     assert np.all(found.errors[0][:2] < 0.1 * found.values[0][:2])
 
 

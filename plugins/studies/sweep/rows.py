@@ -19,7 +19,7 @@ from quickreturn.cases.motion.endings import Ending
 from quickreturn.cases.motion.estimates import MOTION, MeasuredCycle, MeasuredNumbers
 from quickreturn.cases.motion.marching import output_step
 from quickreturn.cases.motion.measure import SettledMotion
-from quickreturn.cases.motion.of_turn import crank_damping
+from quickreturn.cases.motion.of_turn import at_shaft, crank_damping
 from quickreturn.cases.motion.orbit import compared_orbits, orbit_of, periodic_state, stability_of
 from quickreturn.cases.motion.request import Approach, Computation, PeriodicOrbit, Run, RunRequest
 from quickreturn.cases.motion.stability import NOT_CONVERGED, multiplier_of, nearly_one
@@ -175,9 +175,10 @@ class _Point:
         columns = dict.fromkeys(name for name in (*needed_by, MOTION, *(CHANNELS if scale else ())) if name in cycle)
 
         def measured(turn: Columns) -> MeasuredCycle:
-            needed = {name: turn[name] for name in ("time", "crank_angle", *columns)}
+            given = at_shaft(turn, damping)
+            needed = {name: given[name] for name in ("time", "crank_angle", *columns)}
             channels = {name: turn[name] for name in CHANNELS if scale is not None}
-            return MeasuredCycle.of([needed], measure_cycle(scale, turn["time"], turn["crank_angle"], channels), damping)
+            return MeasuredCycle.of([needed], measure_cycle(scale, turn["time"], turn["crank_angle"], channels))
 
         compared = [pair.mapped(measured) for pair in comparisons]
         run = Run(

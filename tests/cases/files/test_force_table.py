@@ -1,20 +1,23 @@
-"""The table of a tool's force in a case file: what is read, what is refused and how, and that nothing needs the file afterwards."""
+"""The tables of a tool's force and of the drive: what is read, what is refused and how, and that nothing needs the file afterwards."""
 
 import math
 import pickle
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+import quickreturn as qr
 from quickreturn.cases.files.case import document_of
 from quickreturn.cases.files.errors import CaseError
 from quickreturn.cases.files.written import as_toml
 from quickreturn.cases.library import library_case, load_case
 from quickreturn.cases.running.key import hash_of
-from quickreturn.reference_model.mechanism import Mechanism
-from quickreturn.reference_model.tip import ForceTable
+from quickreturn.reference_model.mechanism import Mechanism, TorqueDrive
+from quickreturn.reference_model.scene_values import changed
+from quickreturn.reference_model.table import Table
 from quickreturn.reports.other_tools import for_other_tools
 from tests.cases.files.scene_texts import SCENE, parse_case
 
@@ -33,15 +36,16 @@ def loaded(folder: Path, table: str | None = TABLE, text: str = WITH_TABLE) -> M
 
 def test_a_table_beside_the_case_file_arrives_in_si(tmp_path: Path) -> None:
     table = loaded(tmp_path).tip_body.force_table
-    assert table == ForceTable(table.angles, (1e3, 3e3, -5e3, 7e3), (2.0, 4.0, 6.0, -8.0))
-    assert table.angles == pytest.approx((0.0, 0.5 * math.pi, math.pi, 1.5 * math.pi), abs=1e-15)
-    assert (table.follows, table.file) == (False, "cutting.csv")
-    assert str(table) == "cutting.csv of 4 points: -5000 to 7000 N along n1, -8 to 6 N along n2"
+    assert table == Table(table.names, table.points, ((1e3, 3e3, -5e3, 7e3), (2.0, 4.0, 6.0, -8.0)))
+    assert table.points == pytest.approx((0.0, 0.5 * math.pi, math.pi, 1.5 * math.pi), abs=1e-15)
+    assert (table.names, table.file) == (("crank_angle", "force_n1", "force_n2"), "cutting.csv")
+    assert str(table) == "cutting.csv of 4 points: force_n1 -5000 to 7000 N, force_n2 -8 to 6 N"
 
 
 def test_columns_may_stand_in_any_order_and_the_force_may_follow(tmp_path: Path) -> None:
     table = loaded(tmp_path, "force_normal [N],crank_angle [rad],force_along [N]\n1,0.5,2\n3,1,4\n5,2,6\n7,5,8\n").tip_body.force_table
-    assert table == ForceTable((0.5, 1.0, 2.0, 5.0), (2.0, 4.0, 6.0, 8.0), (1.0, 3.0, 5.0, 7.0), follows=True)
+    assert table == Table(table.names, (0.5, 1.0, 2.0, 5.0), ((2.0, 4.0, 6.0, 8.0), (1.0, 3.0, 5.0, 7.0)))
+    assert table.names == ("crank_angle", "force_along", "force_normal")
 
 
 def test_a_last_row_a_turn_later_is_the_first_one(tmp_path: Path) -> None:
@@ -53,7 +57,7 @@ def test_a_last_row_a_turn_later_is_the_first_one(tmp_path: Path) -> None:
     [
         (None, r'scene.toml: tip.force_table: "cutting.csv" there is no such file; give a CSV file that begins with'),
         ("", "cutting.csv (tip.force_table): is empty"),
-        (TABLE.replace("n2", "n3"), 'line 2: "force_n3 [N]" is no column of a table of forces; write "crank_angle [deg], '),
+        (TABLE.replace("n2", "n3"), 'line 2: "force_n3 [N]" is no column of this table; write "crank_angle [deg], '),
         (TABLE.replace(" [kN]", ""), 'line 2: "force_n1" has no unit; write it in brackets, such as "force_n1 [N]"'),
         (TABLE.replace("-5", ""), "lacks a number in 1 of its rows"),
         (TABLE.replace("180", "80"), "line 5, crank_angle: 80 does not rise"),
@@ -67,6 +71,65 @@ def test_each_mistake_is_one_sentence_with_file_row_and_column(tmp_path: Path, t
         loaded(tmp_path, table)
     assert told in str(refused.value), str(refused.value)
     assert "\n" not in str(refused.value)
+
+
+MOTOR = "crank_speed [rpm], crank_torque [N*m]\n0, 2\n60, 1.5\n120, 0\n"
+TIMES = "time [ms]; crank_speed [rad/s]\n0; 4,5\n200; 9,5\n"
+
+
+STARTS = SCENE.replace('initial_speed = "16.617773 rad/s"\n', "")
+
+
+def driven(folder: Path, monkeypatch: pytest.MonkeyPatch, key: str, table: str) -> Mechanism:
+    monkeypatch.chdir(folder)
+    (folder / "drive.csv").write_text(table)
+    return parse_case(STARTS, "scene.toml", {f"crank.{key}": "drive.csv"}).mechanism
+
+
+def test_tables_drive_the_crank_and_survive_a_round_trip(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each takes the place of another drive. A motor begins at the speed without torque, a prescribed motion at the speed of its table."""
+    motor = driven(tmp_path, monkeypatch, "torque_table", MOTOR)
+    assert motor.crank.drive.torque_table.values == ((2.0, 1.5, 0.0),)
+    assert motor.crank.drive.initial_speed == pytest.approx(4.0 * math.pi, rel=1e-15)
+    timed = driven(tmp_path, monkeypatch, "speed_table", TIMES)
+    assert (timed.crank.drive.speed_table.points, timed.crank.drive.initial_speed) == ((0.0, 0.2), 4.5)
+    for scene in (motor, timed):
+        case = parse_case(SCENE, "scene").with_({}, name="copy")
+        copied = parse_case(as_toml(document_of(replace(case, scene=scene, document=None))), "copy")
+        assert copied.mechanism == scene
+        assert isinstance(changed(scene, {"crank.torque": 1.0, "crank.damping": 0.5}).crank.drive, TorqueDrive)
+
+
+@pytest.mark.parametrize(
+    ("key", "table", "told"),
+    [
+        (
+            "torque_table",
+            MOTOR.replace("crank_torque", "torque"),
+            'line 1: "torque [N*m]" is no column of this table; write "crank_speed [rpm], ',
+        ),
+        ("torque_table", MOTOR[: MOTOR.index("60")], "(crank.torque_table): has 1 points; at least 2 are needed"),
+        ("torque_table", MOTOR.replace("N*m", "N"), 'line 1, crank_torque: "N" is a force (kg*m/s^2), but a torque is needed'),
+        ("torque_table", MOTOR.replace("60", "0"), "line 3, crank_speed: 0 does not rise"),
+        ("torque_table", MOTOR.replace("120, 0", "120, 3"), "crank.initial_speed: is missing, and no speed"),
+        ("speed_table", TIMES.replace("9,5", "-9,5"), "line 3, crank_speed: -9.5 rad/s lets the crank stand still or turn back"),
+        ("speed_table", TIMES.replace("time [ms]", "crank_angle [deg]"), "(crank.speed_table): has 2 points; at least 4 are needed"),
+    ],
+)
+def test_each_mistake_in_a_table_of_the_drive_is_one_sentence(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, key: str, table: str, told: str
+) -> None:
+    with pytest.raises(CaseError) as refused:
+        driven(tmp_path, monkeypatch, key, table)
+    assert told in str(refused.value), str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_speed_over_time_has_no_cycle(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    driven(tmp_path, monkeypatch, "speed_table", TIMES)
+    (tmp_path / "scene.toml").write_text(SCENE)
+    with pytest.raises(CaseError, match=r"crank.speed_table: .* prescribes a speed over time, which has no cycle; use simulate, or give"):
+        qr.run(load_case("scene.toml", {"crank.speed_table": "drive.csv"}), "reference")
 
 
 def test_a_table_and_another_force_are_both_named(tmp_path: Path) -> None:
@@ -111,6 +174,6 @@ def test_another_tool_is_told_the_table() -> None:
     text = for_other_tools(library_case("shaper-chips"), "shaper-chips")
     rows = np.array([[float(each) for each in row] for row in re.findall(r"^  (\S+), (\S+), (\S+)$", text, re.MULTILINE)])
     table = library_case("shaper-chips").mechanism.tip_body.force_table
-    np.testing.assert_array_equal(rows[-24:], np.array([table.angles, table.first, table.second]).T)
+    np.testing.assert_array_equal(rows[-24:], np.array([table.points, *table.values]).T)
     assert "Fritsch and Butland" in " ".join(text.split())
     assert "- tip.friction_force x tanh(|v| / tip.friction_speed) v / |v|" in " ".join(text.split())
