@@ -155,7 +155,8 @@ class Solution(Printable):
         Raises:
             OutputError: another ending, or it cannot be written.
             UnknownColumn: the engine does not give the follower's shape.
-            CaseError: a page was asked for, and the case has no crank; or ffmpeg is missing.
+            CaseError: a page was asked for, and the case has no crank; or ffmpeg fails.
+            MissingExtra: ffmpeg is not installed.
         """
         from quickreturn.reports.drawing.mechanism import moving
         from quickreturn.reports.output import MOVING

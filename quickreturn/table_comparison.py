@@ -323,12 +323,15 @@ def _is_time(heading: Any) -> bool:
 
 def _common_rows(ours: RecordedTable, theirs: RecordedTable) -> tuple[Places, Places]:
     """Indices of the rows at the same instants, as many in each. CaseError: where both have rows, neither has all instants of the other."""
-    our_times, their_times = ours.columns["time"], theirs.columns["time"]
+    our_times, their_times = ours["time"], theirs["time"]
+    if ours.begin is not None and theirs.begin is not None:
+        our_times = our_times + (ours.begin - theirs.begin).total_seconds()
     overlap = max(our_times[0], their_times[0]), min(our_times[-1], their_times[-1])
     near = _SAME_INSTANT * min(float(np.min(np.diff(times), initial=np.inf)) for times in (our_times, their_times))
     rows, other_rows = (np.flatnonzero((times >= overlap[0] - near) & (times <= overlap[1] + near)) for times in (our_times, their_times))
     if min(len(rows), len(other_rows)) < 2:
-        ranges = (f"{each.name} goes from {each.columns['time'][0]:g} to {each.columns['time'][-1]:g} s" for each in (ours, theirs))
+        named = (ours.name, our_times), (theirs.name, their_times)
+        ranges = (f"{name} goes from {times[0]:g} to {times[-1]:g} s" for name, times in named)
         raise CaseError("difference", "time", None, "the two tables have fewer than two rows in common", ", ".join(ranges))
     if len(rows) <= len(other_rows):
         return rows, other_rows[_nearest(our_times[rows], their_times[other_rows], near)]

@@ -9,6 +9,7 @@ import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
+from shutil import which
 from typing import Any, Final
 
 import click
@@ -72,6 +73,8 @@ def check_writable(path: Path, keep: str, *endings: str) -> None:
         else:
             if extra := WRITTEN_BY.get(path.suffix.lower()):
                 require(extra, _shown(path))
+            if path.suffix.lower() == ".mp4" and which("ffmpeg") is None:
+                raise MissingExtra(f"{_shown(path)} needs ffmpeg, which is not installed; install it, or choose .webp, .gif or .html")
             with tempfile.TemporaryFile(dir=target.parent):
                 pass
     except OSError as error:

@@ -40,20 +40,20 @@ cases.motion: cycle drifting_fit extremes first_mode moving_mode number time_sca
 cases.running: display job key store workshop
 """
 #: Lines of the kernel at most, everything counted.
-LARGEST_KERNEL = 9_085
+LARGEST_KERNEL = 9_090
 #: Room -> lines of code at most: blank lines, comments, docstrings and imports do not count, nor do tests.
 BUDGETS = {
     "reference_model": 6_015,
     "engines": 4_400,
     "cases": 5_930,
     "reports": 2_200,
-    "quickreturn": 1_850,
+    "quickreturn": 1_855,
     "pack": 90,
     "plugins/as_built": 305,
     "plugins/conform": 940,
-    "plugins/derive": 1_840,
+    "plugins/derive": 1_850,
     "plugins/fmu": 390,
-    "plugins/linear": 325,
+    "plugins/linear": 330,
     "plugins/methods": 2_160,
     "plugins/pack": 430,
     "plugins/strength": 1_165,

@@ -187,6 +187,7 @@ def _after_gaps(table: RecordedTable, cycles: list[Cycle]) -> tuple[list[Cycle],
     most = LARGEST_GAP * float(cycles[-1].time[-1] - cycles[-1].time[0])
     accepted = f"at most {most:.3g} s, {LARGEST_GAP} of a turn, are accepted"
     if (usual := float(np.median(np.diff(table.columns["time"])))) > most:
+        accepted += "; ignore a column with empty cells, whose rows are left out" * ("empty cell" in table.told)
         raise CaseError(table.shown, "time", None, f"has a row every {usual:.3g} s", accepted)
     gap, since = float(np.max(steps[at])), float(cycles[at].time[np.argmax(steps[at])])
     if not after:

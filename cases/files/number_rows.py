@@ -26,6 +26,7 @@ SEPARATORS: Final = {",": "commas", ";": "semicolons", "\t": "tabulators", " ": 
 NAMED: Final = {"tab": "\t", "blank": " "}
 #: Beginnings of a comment line: Python and Exudyn; MATLAB and TeX; Fortran.
 _COMMENTS: Final = ("#", "%", "!")
+_DAY: Final = timedelta(days=1)
 #: What to do about a table that cannot be read.
 ADVICE: Final = "say how it is written by --separator, --decimal or --skip LINES (in Python separator=, decimal=, skip=)"
 _NUMBER: Final = re.compile(r"[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?")
@@ -72,7 +73,7 @@ class Numbers:
     lines: Sequence[int]  # the line of each row, counted from 1
     lacking: int  # number of rows that are left out, since a cell is empty or "nan"
     emptiest: str  # name of the column in which most of these lack a number; "" if none is left out
-    dated: bool  # whether the rising column has dates or times of day, which are counted in seconds from the first one
+    begin: datetime | None  # the first date or time of day of the rising column, from which seconds count; None: it has plain numbers
 
 
 @dataclass(frozen=True)
@@ -100,7 +101,7 @@ class TableText:
         Args:
             names: of the columns, for messages.
             places: of the columns, counted from 0.
-            rising: name of the column that must rise; dates and times of day (ISO 8601) are counted in seconds from the first one.
+            rising: name of the column that must rise; of `time` dates and times of day (ISO 8601) count in seconds from the first one.
             doubled: whether it may have the same value in two rows.
 
         Raises:
@@ -118,12 +119,16 @@ class TableText:
                 problem = f"has cells of {len(cells)} columns, the headings are those of {width}"
                 raise CaseError(self.source, f"line {number}", f'"{shortened(line)}"', problem, self.advice)
             row = [_number(cells[place], swap) for place in places]
-            if math.isinf(row[rises]) and (instant := _instant(cells[places[rises]])) is not None:
+            if rising == "time" and math.isinf(row[rises]) and (instant := _instant(cells[places[rises]])) is not None:
                 begin = begin or instant
-                row[rises] = (instant - begin).total_seconds()
+                since = instant - begin
+                if begin.date() == date.min and since.total_seconds() < before - 0.5 * _DAY.total_seconds():  # past midnight
+                    since += _DAY
+                row[rises] = since.total_seconds()
             for name, place, value in zip(names, places, row, strict=True):
                 if math.isinf(value):
-                    accepted = f"leave out the row or the column, or {self.advice}"
+                    date_form = "; write dates as 2026-05-04T08:15:00.25" if name == "time" else ""
+                    accepted = f"leave out the row or the column, or {self.advice}{date_form}"
                     raise CaseError(self.source, f"line {number}, {name}", as_written(cells[place]), "is no plain number", accepted)
             if math.isnan(sum(row)):
                 left_out += 1
@@ -140,7 +145,7 @@ class TableText:
             raise CaseError(self.source, None, None, "has an empty cell in each of its rows", accepted)
         if not lines:
             raise CaseError(self.source, None, None, "has no rows below its headings", "a whole turn of the crank is needed")
-        return Numbers(np.frombuffer(values).reshape(-1, len(names)), decimal, lines, left_out, emptiest, begin is not None)
+        return Numbers(np.frombuffer(values).reshape(-1, len(names)), decimal, lines, left_out, emptiest, begin)
 
 
 def table_text(source: str, text: str, form: Form = PLAIN, advice: str = ADVICE) -> TableText:

@@ -10,13 +10,14 @@ import math
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from datetime import datetime
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from quickreturn.cases.files.column_mapping import IGNORED, ColumnMapping, Target, UsedColumn, columns_used, mapping_of, own_name, suggested
-from quickreturn.cases.files.errors import CaseError, as_written, path_shown, printable
+from quickreturn.cases.files.errors import CaseError, as_written, known_column, path_shown, printable
 from quickreturn.cases.files.instants import gaps, single_instants
 from quickreturn.cases.files.number_rows import Form, TableText, does_not_rise, table_text
 from quickreturn.cases.files.text_file import OF_COLUMNS, read_table_text
@@ -53,6 +54,11 @@ class RecordedTable:
     # column -> its text of `--column` without an offset, such as "phi = crank_angle [deg]", and the SI value of a 1 in the file; none for a
     # table in memory
     written: Mapping[str, tuple[str, float]] = field(default_factory=dict, repr=False)
+    begin: datetime | None = None  # date or time of day from which the time counts; None: the time was given as numbers
+
+    def __getitem__(self, column: str) -> Array:
+        """A column. UnknownColumn: there is none of this name."""
+        return self.columns[known_column(column, self.columns)]
 
     @property
     def shown(self) -> str:
@@ -108,7 +114,7 @@ def read_table(
     found = written.numbers([*by_name], [each.place for each in used], "time", doubled=True)
     numbers = dict(zip(by_name, found.values.T, strict=True))
     sizes = {name: each.factor / each.target.factor for name, each in by_name.items()}
-    sizes["time"] = 1.0 if found.dated else sizes["time"]
+    sizes["time"] = sizes["time"] if found.begin is None else 1.0
     seconds = sizes["time"] * (numbers["time"] - by_name["time"].target.offset)
     values = {name: sizes[name] * (numbers[name] - target.offset - target.drift * seconds) for name, (_, target, _) in by_name.items()}
 
@@ -117,13 +123,13 @@ def read_table(
 
     table = _table(printable(os.path.basename(path)), path, values, declared, refusal)
     told = [*written.told, *["decimal comma"] * (found.decimal == ","), *([f"columns by {mapping.file}"] if mapping.file else [])]
-    told += ["dates counted from the first row"] * found.dated
+    told += ["dates counted from the first row"] * (found.begin is not None)
     if found.lacking:
         told.append(f"{found.lacking:,} row{'s' * (found.lacking > 1)} with an empty cell left out, most for {found.emptiest}")
     told += [f"{name} made continuous" for name in sorted(table.unwrapped)]
     told += table.noted
     texts = {name: (_text(written, each), sizes[name]) for name, each in by_name.items()}
-    return replace(table, told=_told(told, ignored, len(table.columns["time"])), written=texts)
+    return replace(table, told=_told(told, ignored, len(table.columns["time"])), written=texts, begin=found.begin)
 
 
 def _told(clauses: Sequence[str], ignored: Sequence[str], rows: int) -> str:

@@ -76,6 +76,8 @@ def _table(text: str, source: str, key: str, file: str) -> Table:
     found = written.numbers(given, range(len(given)), names[0])
     if found.lacking:
         raise CaseError(source, None, None, f"lacks a number in {found.lacking} of its rows", "give one number for each column")
+    if found.begin is not None:
+        raise CaseError(source, None, None, "has dates in place of a time", "write the time from the start of the run")
     values = found.values * np.array(factors)
     points, *columns = (values[:, given.index(name)] for name in names)
     both = np.column_stack(columns)

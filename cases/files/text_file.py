@@ -59,7 +59,7 @@ def read_table_text(path: str, what: str, largest: int) -> str:
             raise CaseError(path_shown(path), None, None, f"cannot be read ({missing})", "install quickreturn[tables]") from None
         except Exception as wrong:  # of any of the libraries
             problem = f"is no {ending} of columns ({str(wrong).partition(chr(10))[0]})"
-            raise CaseError(path_shown(path), None, None, problem, "columns of one length are accepted, time among them") from None
+            raise CaseError(path_shown(path), None, None, problem, "write the columns of one rate, time among them, to a file") from None
     is_wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
     for encoding in ("utf-16",) if is_wide else ("utf-8-sig", "cp1252"):
         with contextlib.suppress(UnicodeDecodeError):
@@ -74,7 +74,8 @@ def _frame(file: io.BytesIO, ending: str) -> "pd.DataFrame":
     import pandas as pd
 
     if ending == ".parquet":
-        return pd.read_parquet(file)
+        frame = pd.read_parquet(file)
+        return frame if frame.index.name is None else frame.reset_index()
     if ending == ".json":
         return pd.DataFrame(json.load(file))
     import xarray as xr

@@ -139,7 +139,8 @@ class Beam:
     def shear(self, s: Any) -> ca.SX:
         """Shear force (N) at an arc length: what the part beyond it exerts on the part before it, a quarter turn from the tangent.
 
-        It is minus the slope of the moment. A warning says that the shapes are natural ones, which do not have it.
+        It is minus the slope of the moment. A warning says that the shapes are natural ones, or that the stiffness varies: such shapes have
+        it only if they are many.
         """
         fields: list[Any] = [self._tangent or self._deflection]
         for _ in range(4):
@@ -147,7 +148,7 @@ class Beam:
         inner = _inner(self._full_line, self._points)[0]
         cut = len(inner) // 4  # at the ends the fourth derivatives are not accurate
         middle = self._full_line.s[inner[cut : len(inner) - cut]]
-        check_shear(self._system, self.name, [field(middle) for field in fields[::2]])
+        check_shear(self._system, self.name, [field(middle) for field in fields[::2]], callable(self._stiffness))
         return -_derivative(self.moment, ca.SX(s))
 
     def end(self, cell: int = -1) -> ca.SX:

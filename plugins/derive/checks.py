@@ -89,14 +89,21 @@ def check_points(system: System) -> None:
             )
 
 
-def check_shear(system: System, beam: str, fields: Sequence[ca.SX]) -> None:
-    """Warn of a beam all of whose shapes are natural ones: their fourth derivatives are like the shapes.
+def check_shear(system: System, beam: str, fields: Sequence[ca.SX], varies: bool) -> None:
+    """Warn of a beam whose stiffness varies, or all of whose shapes are natural ones: their fourth derivatives are like the shapes.
 
     Args:
         system: the system that contains the beam.
         beam: name of the beam.
         fields: its field, and the second and the fourth derivative, at places along it.
+        varies: whether its stiffness does, along it.
     """
+    if varies:
+        warnings.warn(
+            f"the stiffness of beam {beam!r} of {system.name!r} varies along it: few shapes have the moment and the shear of a force only"
+            " roughly, while deflections are right already; compare with more shapes",
+            stacklevel=4,
+        )
     known, here, _ = zip(*_values(system), strict=True)
     jacobians = [ca.densify(ca.jacobian(each, column(*(c.q for c in system.coordinates)))) for each in fields]
     shapes, bent, fourth = (np.array(each).T for each in ca.Function("shapes", [column(*known)], jacobians)(np.array(here)))

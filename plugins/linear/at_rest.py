@@ -21,6 +21,7 @@ import scipy  # whose parts are imported when they are used
 from numpy.polynomial import legendre
 
 from quickreturn.cases.files.case import Case
+from quickreturn.cases.files.keys import PATHS
 from quickreturn.engines.base import Refusal
 from quickreturn.plugins.linear.model import LinearModel, chosen, named_states
 from quickreturn.reference_model.arrays import Array
@@ -82,7 +83,8 @@ def about_rest(case: Case, inputs: str | Sequence[str], outputs: str | Sequence[
 def _check(scene: Scene, inputs: Container[str]) -> None:
     """Refusal: the scene has no linear model at rest, or not with this input."""
     if key := next((key for key in FRICTION if value_at(scene, key)), None):
-        raise Refusal(f"{key} = {value_at(scene, key):.6g}: friction sticks at rest, which no linear model shows; set it to zero")
+        off = f'--set {key}="0 {PATHS[key].unit}"'
+        raise Refusal(f"{key} = {value_at(scene, key):.6g}: friction sticks at rest, which no linear model shows; leave it out by {off}")
     if scene.follower.is_rigid:
         raise Refusal("follower.bending_stiffness = inf: the linear model is that of a flexible follower; give a finite stiffness")
     if "torque" in inputs and not scene.crank_is_free:

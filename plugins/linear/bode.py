@@ -45,6 +45,10 @@ def bode(
         tidy(phase, "phase [deg]")
         phase.yaxis.set_major_locator(MultipleLocator(90.0))
         phase.set_ylim(-195.0, 195.0)
+    for panel in panels[::2]:
+        low, high = panel.get_ylim()
+        if high < 100.0 * low:  # too few powers of ten to read the axis by
+            panel.yaxis.set(major_locator=LogLocator(subs=(1.0, 2.0, 5.0)), major_formatter="{x:g}", minor_formatter=NullFormatter())
     panels[-1].set_xlim(frequencies[0], frequencies[-1])
     panels[-1].xaxis.set(major_locator=LogLocator(subs=(1.0, 2.0, 5.0)), major_formatter="{x:g}", minor_formatter=NullFormatter())
     panels[-1].set_xlabel("frequency [Hz]", fontsize=FONT_SIZE)

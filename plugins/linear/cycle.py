@@ -38,7 +38,7 @@ def about_cycle(case: Case, inputs: str | Sequence[str], outputs: str | Sequence
     """The linear model about the settled cycle; arguments and errors as of `linearise`."""
     scene, engine = case.mechanism, ReferenceEngine()
     values = {key: value for key in PATHS if isinstance(value := value_at(scene, key), float) and 0.0 < abs(value) < math.inf}
-    keys = chosen("inputs", inputs, {key: PATHS[key].unit for key in values}, f"of the finite quantities of {case.name} beside zeros")
+    keys = chosen("inputs", inputs, {key: PATHS[key].unit for key in values}, "of the keys whose value is finite and not zero")
     engine.check(scene)
     if scene.follower.is_rigid or engine.opens_loop(scene):
         raise Refusal("the settled cycle is not found with a rigid follower or with a [slider] that gives way or rubs; change these keys")

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from types import NoneType
 from typing import Final
 
 from quickreturn.arguments import AnyCase, one_case
@@ -47,6 +48,8 @@ def linearise(
     count = usual if modes is None else modes
     if not (isinstance(count, int) and 1 <= count <= most):
         raise CaseError(Argument("modes"), None, as_written(modes), "cannot be", f"a whole number from 1 to {most} is accepted")
+    if not isinstance(crank_angle, (float, int, NoneType)):
+        raise CaseError(Argument("crank-angle"), None, as_written(crank_angle), "is no number", "give it in degrees, such as 90")
     if crank_angle is not None and (cycle or loaded.scene.crank is None or not math.isfinite(crank_angle)):
         why = "is of no use about a cycle" if cycle else "is no angle" if loaded.scene.crank else "is of no use without a crank"
         raise CaseError(Argument("crank-angle"), None, f"{crank_angle:g}", why, "leave it out")

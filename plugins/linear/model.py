@@ -144,7 +144,7 @@ class LinearModel(Printable):
         if not self.turn:
             ratios = [0.0 - pole.real / (abs(pole) or 1.0) for pole in poles]
             rows = [(f"{p.imag / (2.0 * math.pi):.6g}", f"{p.real:.4g}", f"{ratio:.3g}") for p, ratio in zip(poles, ratios, strict=True)]
-            heads = ("pole at Hz", "real part 1/s", "damping ratio")
+            heads = ("damped frequency Hz", "real part 1/s", "damping ratio")
         yield Rows(rows, heads)
 
 

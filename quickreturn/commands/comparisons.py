@@ -52,7 +52,7 @@ def run(call: Call) -> int:
 
 @options.command(
     functools.partial(options.case, metavar="[CASE]"),
-    click.argument("files", metavar="FILE...", nargs=-1, required=True),
+    click.argument("files", metavar="FILE...", nargs=-1),
     options.engines_for(help="Engine to compare with; may be given again. Default: the four main engines."),
     options.accuracy,
     options.assignments,
@@ -80,6 +80,8 @@ def compare(call: Call, files: Sequence[str], writes_mapping: bool, **reading: A
     The only claim for a table is the uncertainty of its measures. Exit code 1: it departs from an engine by more than this uncertainty and
     the engine's own estimate. Exit codes 2 and 3 are those of `run`.
     """
+    if not files:
+        raise click.UsageError("give a CASE and a FILE, or two FILEs", click.get_current_context())
     if writes_mapping:
         return options.write_mapping(files, reading)
     if is_table(call.cases[0]):
@@ -114,7 +116,7 @@ def _two_tables(call: Call, files: Sequence[str], reading: Mapping[str, Any]) ->
     given = {"--engine": call.engines, "--accuracy": call.accuracy, "--set": call.overrides or call.settings, "--output": call.output}
     if len(files) != 2 or any(given.values()):
         told = ", ".join([f"{len(files)} files"] * (len(files) != 2) + [option for option, value in given.items() if value])
-        raise click.UsageError(f"{told}: without a CASE two files are compared, and no engines; give the CASE first")
+        raise click.UsageError(f"{told}: without a CASE two files are compared, without engines or a picture; give the CASE first")
     from quickreturn.table_comparison import difference
 
     found = difference(*options.read_tables(files, reading))

@@ -45,7 +45,7 @@ def _temporary() -> Path:
 
 def notice_if_none() -> str:
     """A sentence that the first run of an engine compiles, if no compiled code is kept yet; "" otherwise."""
-    if any(folder().glob("*.object")) or any(SHIPPED.glob(f"*-{source_hash()}.object")):
+    if any(folder().glob("*.*")) or any(SHIPPED.glob(f"*-{source_hash()}.object")):
         return ""
     return "no compiled code is kept yet: an engine's first run begins with compiling, once for this machine, up to two minutes"
 

@@ -20,7 +20,7 @@ from PIL import Image
 from scipy.interpolate import CubicSpline
 
 from quickreturn.cases.files.case import Case
-from quickreturn.cases.files.errors import CaseError, UnknownColumn
+from quickreturn.cases.files.errors import CaseError, UnknownColumn, shortened
 from quickreturn.engines.trajectory import Trajectory
 from quickreturn.reference_model.arrays import Array
 from quickreturn.reference_model.columns import PLACES, SHAPE
@@ -274,7 +274,7 @@ def moving(case: Case, trajectories: Mapping[str, Trajectory], ending: str, magn
 
     Raises:
         UnknownColumn: an engine does not give the follower's shape.
-        CaseError: a page was asked for, and the case has no crank; or ffmpeg is missing.
+        CaseError: a page was asked for, and the case has no crank; or ffmpeg fails.
     """
     for trajectory in trajectories.values():
         check_shape(trajectory)
@@ -299,19 +299,16 @@ def moving(case: Case, trajectories: Mapping[str, Trajectory], ending: str, magn
 
 
 def _encoded(frames: Sequence[Image.Image], rate: float) -> bytes:
-    """Pictures as H.264 in an .mp4, `rate` a second. CaseError: ffmpeg is missing, or cannot do this."""
+    """Pictures as H.264 in an .mp4, `rate` a second. CaseError: ffmpeg cannot do this."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "moving.mp4"  # an .mp4 is not written to a pipe
         given = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{frames[0].width}x{frames[0].height}", "-r", f"{rate}", "-i", "-"]
         command = ["ffmpeg", "-loglevel", "error", *given, "-pix_fmt", "yuv420p", str(file)]
         content = b"".join(each.tobytes() for each in frames)
-        try:
-            told = subprocess.run(command, input=content, capture_output=True, check=False).stderr.decode(errors="replace")
-        except OSError:
-            told = "it is not installed"
+        told = subprocess.run(command, input=content, capture_output=True, check=False).stderr.decode(errors="replace").strip()
         if not file.exists():
-            accepted = "install ffmpeg with its encoder libx264, or choose .webp or .gif"
-            raise CaseError(".mp4", None, None, f"ffmpeg cannot encode it: {told.strip()}", accepted)
+            accepted = "install it with its encoder libx264, or choose .webp, .gif or .html"
+            raise CaseError(".mp4", None, None, f"ffmpeg does not encode it ({shortened(told)})", accepted)
         return file.read_bytes()
 
 

@@ -32,7 +32,7 @@ from quickreturn.reports.drawing.mechanism import (
     positions_of,
     unbent,
 )
-from quickreturn.reports.output import OutputError
+from quickreturn.reports.output import MOVING, MissingExtra, OutputError, check_writable
 from tests.quickreturn.conftest import Call
 from tests.quickreturn.scene_file import SCENE
 
@@ -144,11 +144,14 @@ def test_a_gif_keeps_time_and_ffmpeg_is_given_every_picture(
     turn = float(np.ptp(last_turn(trajectory)))
     assert min(abs(sum(shown) / 1e3 - slowed * turn) for slowed in SLOWED) < 0.006  # s, half of the unit in which a GIF counts
     monkeypatch.setenv("PATH", str(tmp_path))
-    with pytest.raises(CaseError, match="ffmpeg cannot encode it: it is not installed"):
+    with pytest.raises(MissingExtra, match="needs ffmpeg, which is not installed"):
+        check_writable(tmp_path / "film.mp4", "", *MOVING)
+    (tmp_path / "ffmpeg").write_text("#!/bin/sh\necho no libx264 >&2\n")
+    (tmp_path / "ffmpeg").chmod(0o755)
+    with pytest.raises(CaseError, match=r"ffmpeg does not encode it \(no libx264\)"):
         moving(CASE, {"reference": trajectory}, ".mp4")
     # a stand-in that keeps what it is given, where there is no ffmpeg
     (tmp_path / "ffmpeg").write_text('#!/bin/sh\nfor last; do :; done\nexec /bin/cat > "$last"\n')
-    (tmp_path / "ffmpeg").chmod(0o755)
     assert len(moving(CASE, {"reference": trajectory}, ".mp4")) == 6 * 720 * 390 * 3
 
 

@@ -91,7 +91,7 @@ def test_units(tmp_path: Path, heading: str, size: float) -> None:
         ("time,tip_x,time,tip_y\n0,1,0,1\n1,2,,\n", ["time a second time", '--column "3 = -"']),
         ("time,tip_x,tip_y\n0,1,\n1,,2\n2,1,\n", ["an empty cell in each", '--column "tip_y = -"']),
         ("time,tip_x\n10:00:01,1\n10:00:00,2\n", ["line 3, time", "-1 does not rise"]),
-        ("time,tip_x\n02.01.2026 10:00,1\n", ["line 2, time", "02.01.2026 10:00", "no plain number"]),
+        ("time,tip_x\n02.01.2026 10:00,1\n", ["line 2, time", "02.01.2026 10:00", "no plain number", "2026-05-04T08:15:00.25"]),
         ("tip_x\n0", ["no column time"]),
         ("# origin = guessed\ntime,tip_x\n0,1", ["line 1, origin", "guessed", "measured"]),
         ("# origin\ntime,tip_x\n0,1", ["line 1", "# key = value"]),
@@ -132,7 +132,7 @@ FORMS: dict[str, tuple[str | bytes, dict[str, Any], str]] = {
         "semicolons, decimal comma, dates counted from the first row",
     ),
     "times of day, two rates": (
-        "time [ms],crank_angle [deg],tip_x [mm]\n10:00:00,180,1234.5\n10:00:00.00025,180.5,\n10:00:00.0005,181.25,2\n",
+        "time [ms],crank_angle [deg],tip_x [mm]\n23:59:59.9999,180,1234.5\n00:00:00.00015,180.5,\n00:00:00.0004,181.25,2\n",
         {},
         "dates counted from the first row, 1 row with an empty cell left out, most for tip_x",
     ),
@@ -168,11 +168,11 @@ def test_files_of_columns_are_read_as_text_is(tmp_path: Path, ending: str) -> No
     frame = pd.DataFrame({"time [ms]": [0.0, 0.1], "phi": [-90.0, 1.0 / 3.0], "tip_x [mm]": [1234.5, math.pi]})
     WRITERS[ending](frame, path := tmp_path / f"tool{ending}")
     table = read_table(path, "phi = crank_angle [deg]")
-    np.testing.assert_allclose(table.columns["time"], [0.0, 1e-4], rtol=1e-14)
+    np.testing.assert_allclose(table["time"], [0.0, 1e-4], rtol=1e-14)
     np.testing.assert_allclose(table.columns["crank_angle"], np.radians([-90.0, 1.0 / 3.0]), rtol=1e-14)
     np.testing.assert_allclose(table.columns["tip_x"], [1.2345, 1e-3 * math.pi], rtol=1e-14)
     path.write_bytes(b"{1}")
-    with pytest.raises(CaseError, match=rf"tool{ending}: is no {ending} of columns .*; columns of one length"):
+    with pytest.raises(CaseError, match=rf"tool{ending}: is no {ending} of columns .*; write the columns of one rate"):
         read_table(path)
 
 

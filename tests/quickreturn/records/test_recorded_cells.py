@@ -44,6 +44,10 @@ SLOWEST: Final = 2.0
 LONGEST: Final = 10.0
 #: Relative difference of an error that is computed anew: four digits are recorded, and rounding of another machine changes adaptive steps.
 SAME: Final = 1e-2
+#: The same of a stiff spring, whose steps follow rounding: 5.6e-3, 5.9e-3 and 7.3e-3 with three instruction sets of one processor.
+OF_SPRING: Final = 0.5
+#: The same of a number of right-hand sides: 6,780 to 6,978 of a stiff spring with these sets, and 1.3 % between machines with fixed shapes.
+OF_CALLS: Final = 5e-2
 #: Factor within which the ratio of two solve times is the recorded one, and repetitions of both, in turn, of which the least counts.
 PACE: Final = 2.0
 REPETITIONS: Final = 5
@@ -63,12 +67,17 @@ def benchmark(draw: Draw, workshop: Workshop) -> None:
         other, right = runner(fixed), truth_of(load_case(found.case))
         trajectory = run().trajectory
         error = errors_of(trajectory, right.trajectory)["tip_deflection"]
-        assert error == pytest.approx(recorded.error, rel=SAME, abs=right.uncertainty), cell
+        assert error == pytest.approx(recorded.error, rel=same(recorded.engine), abs=right.uncertainty), cell
         if "right_hand_side_calls" in trajectory.statistics:
-            assert trajectory.statistics["right_hand_side_calls"] == pytest.approx(recorded.calls, rel=SAME), cell
+            assert trajectory.statistics["right_hand_side_calls"] == pytest.approx(recorded.calls, rel=OF_CALLS), cell
         other()  # what is compiled is compiled now
         ratio = recorded.seconds / fixed.seconds
         assert any(1.0 / PACE < pace(run, other) / ratio < PACE for _ in range(TRIALS)), cell
+
+
+def same(engine: str) -> float:
+    """Relative difference of an engine's error that counts as the same."""
+    return OF_SPRING if engine == "stiff-spring" else SAME
 
 
 def pace(run: Callable[[], CompletedRun], other: Callable[[], CompletedRun]) -> float:
@@ -117,7 +126,8 @@ def classes(draw: Draw, workshop: Workshop) -> None:
             case, chosen = case_of(scenes[recorded.scene].groups), engine(recorded.engine)
             settings = chosen.settings_type().with_texts(as_texts(recorded.settings))
             error = errors_of(run_of(chosen, case, settings).trajectory, truth_of(case).trajectory)["tip_deflection"]
-            assert error == pytest.approx(recorded.error, rel=SAME, abs=scenes[recorded.scene].difference or 0.0), recorded
+            apart = scenes[recorded.scene].difference or 0.0
+            assert error == pytest.approx(recorded.error, rel=same(recorded.engine), abs=apart), recorded
 
 
 def finding_of_the_thesis(draw: Draw, workshop: Workshop) -> None:

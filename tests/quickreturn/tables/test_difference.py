@@ -119,6 +119,14 @@ def test_two_files_are_compared_by_the_command(call: Call) -> None:
     assert answer.code == 0
     assert json.loads(answer.output)["relative"] == {"tip_x": pytest.approx(0.02, rel=1e-12)}
     assert "101 rows, 0.01 s apart" in call("compare", "new.parquet", "old.csv").output
+    days = (pd.Timestamp("2026-05-04") + pd.to_timedelta(TIME + 86_400.0 * day, "s") for day in (0, 1))
+    old, late = (pd.DataFrame({"time": day, "tip_x": TIME}) for day in days)
+    old.to_csv("dates.csv", index=False)
+    old[50:].to_parquet("later.parquet")
+    assert qr.difference("later.parquet", "dates.csv") == {"tip_x": 0.0}
+    late.to_csv("other_day.csv", index=False)
+    with pytest.raises(qr.CaseError, match="from 86400 to 86401 s"):
+        qr.difference("other_day.csv", "dates.csv")
     for files, told in ((["old.csv"] * 3, "3 files"), (["old.csv", "old.csv", "--engine", "reference"], "--engine")):
         answer = call("compare", *files)
         assert answer.code == 2
