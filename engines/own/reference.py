@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from quickreturn.engines.trajectory import Trajectory
     from quickreturn.reference_model.model import BeamModel
 
-#: Modes -> modes of the finer run for the error estimate, and its error over that of the run.
+#: Modes -> modes of the finer run for the error estimate, and its error over that of the run. Beside one mode none of them is slowed.
 COMPARED: Final = {1: (4, 0.2), 2: (5, 0.5), 3: (6, 0.25), 4: (7, 0.2)}
 #: Relative change of the lowest frequency's square by a compliant joint, above which the joint's own vibration is not slowed.
 SOFT_JOINT: Final = 5e-4
@@ -235,7 +235,10 @@ class ReferenceEngine(BeamEngine[ReferenceSettings]):
 
         def sized(run: ReferenceSettings, modes: int) -> ReferenceSettings:
             usual, tenth = ladder.sized(run, modes), max(TENTH * run.tolerance, LEAST_TOLERANCE)
-            usual = slowed(usual) if less_slowed else usual
+            if settings.modes == 1:  # slowed modes may err as much as modes left out
+                usual = usual.replaced(slowed_to=0)
+            elif less_slowed:
+                usual = slowed(usual)
             return usual.replaced(tolerance=tenth if scene.slider.has_corners else min(usual.tolerance, tenth))
 
         measured = COMPARED if scene.crank is not None else {}
