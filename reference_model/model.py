@@ -1,8 +1,10 @@
 """The explicit model of one scene: shapes, slider constraint, equations, integration and observables under one roof."""
 
 import math
+import time
 from collections.abc import Callable
 from functools import partial
+from typing import Final
 
 import numpy as np
 import scipy  # whose parts are imported when they are used
@@ -15,7 +17,7 @@ from quickreturn.reference_model.constants import characteristic_frequency, cran
 from quickreturn.reference_model.entries import KERNEL, LINEARISED, OBSERVATIONS, WEIGHED
 from quickreturn.reference_model.integrate import STEP_TOO_SMALL, Equations, Integration, Linearisation, dop853, radau
 from quickreturn.reference_model.joint import BASE, CLOSED, ELIMINATED, ROLLERS, SliderConstraint
-from quickreturn.reference_model.mechanism import FollowerAlone, Scene
+from quickreturn.reference_model.mechanism import FollowerAlone, Mechanism, Scene
 from quickreturn.reference_model.motion.layout import BeamParameters, ShapeRow, state_size, workspace
 from quickreturn.reference_model.motion.parameters import parameters
 from quickreturn.reference_model.native.memory import Placed
@@ -35,6 +37,23 @@ class ObservationFailed(RuntimeError):
     def __init__(self, row: int) -> None:
         super().__init__(f"state {row} cannot be evaluated")
         self.row = row
+
+
+#: Decoupled shapes of the last model whose shapes stay, their tables, which may take a hundred megabytes, and the wall time for both, s.
+_KEPT: Final[dict[tuple[Mechanism, bytes, bytes], tuple[ShapeSet, beam.BoundedTables, float]]] = {}
+
+
+def _staying(scene: Mechanism, shapes: ShapeSet) -> tuple[ShapeSet, beam.BoundedTables, float]:
+    """What `_KEPT` holds, for a scene and shapes: runs that differ in their tolerance follow each other."""
+    key = scene, shapes.edges.tobytes(), shapes.coefficients.tobytes()
+    if key not in _KEPT:
+        began = time.perf_counter()
+        free, squares = decoupled(shapes, scene.follower.mass_per_length, scene.follower.bending_stiffness)
+        of_elements = shapes.count > 0 and shapes.coefficients.shape[1] == 4
+        tables = (beam.elements if of_elements else beam.staying)(scene, free, squares)
+        _KEPT.clear()
+        _KEPT[key] = free, tables, time.perf_counter() - began
+    return _KEPT[key]
 
 
 class BeamModel:
@@ -104,11 +123,11 @@ class BeamModel:
             return cls.alone(scene, shapes)
         if scene.slider.inertia > 0.0 and not shapes.has_continuous_curvature:
             raise ValueError("a slider with rotary inertia needs shapes with continuous curvature: clamped-free modes or one element")
-        free, squares = decoupled(shapes, scene.follower.mass_per_length, scene.follower.bending_stiffness)
-        of_elements = shapes.count > 0 and shapes.coefficients.shape[1] == 4
-        tables, reach = (beam.elements if of_elements else beam.staying)(scene, free, squares)
+        began = time.perf_counter()
+        free, (tables, reach), seconds = _staying(scene, shapes)
+        before = max(0.0, seconds - (time.perf_counter() - began))
         constants = parameters(scene, free.count, tables, reach, constraint, slowed_to=slowed_to)
-        return cls(scene, constants, partial(_unmoved, partial(free.evaluate, derivative=1)))
+        return cls(scene, constants, partial(_unmoved, partial(free.evaluate, derivative=1)), before)
 
     @classmethod
     def alone(cls, scene: FollowerAlone, shapes: int | ShapeSet) -> "BeamModel":

@@ -44,7 +44,6 @@ class Cell:
     # "good"; "missed": beyond a tolerance; "failed"; "open": no answer, for a reason; "model": the error is that of the engine's model
     mark: Mark = ""
     run: str = ""  # case that a click opens on the first screen
-    tint: str = ""  # CSS colour behind it
 
 
 Row = Mapping[str, Cell]

@@ -43,7 +43,7 @@ cases.running: display job key store workshop
 LARGEST_KERNEL = 9_090
 #: Room -> lines of code at most: blank lines, comments, docstrings and imports do not count, nor do tests.
 BUDGETS = {
-    "reference_model": 6_015,
+    "reference_model": 6_025,
     "engines": 4_400,
     "cases": 5_930,
     "reports": 2_200,
@@ -54,7 +54,7 @@ BUDGETS = {
     "plugins/derive": 1_850,
     "plugins/fmu": 390,
     "plugins/linear": 330,
-    "plugins/methods": 2_160,
+    "plugins/methods": 1_880,
     "plugins/pack": 430,
     "plugins/strength": 1_165,
     "plugins/studies": 2_035,
@@ -128,7 +128,6 @@ def test_one_folder_of_the_core_draws() -> None:
     assert {file.parent.relative_to(PACKAGE).as_posix() for file in drawing} == {
         "reports/drawing",
         "plugins/linear",
-        "plugins/methods",
         "plugins/studies/resonance_curve",
     }
 

@@ -1,7 +1,6 @@
 """`quickreturn benchmark`: the race of methods in a scene; and `advise`: which method, by the map of classes."""
 
-from collections.abc import Iterator
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -15,8 +14,8 @@ from quickreturn.computing import HIGHEST, LOWEST, workshop
 from quickreturn.reports.output import print_json, print_table
 
 if TYPE_CHECKING:
-    from quickreturn.plugins.methods.fronts import Standing
     from quickreturn.plugins.methods.race import Race
+    from quickreturn.plugins.methods.row import Row
 
 #: Fields of a row in the document of `advise`.
 _ADVISED: Final = ("scene", "engine", "variant", "settings", "level", "status", "solve_seconds", "error", "remark")
@@ -29,8 +28,8 @@ _ADVISED: Final = ("scene", "engine", "variant", "settings", "level", "status", 
     options.single(
         "--runs",
         metavar="N",
-        read=options.number(1, 1000, 32, whole=True),
-        default="32",
+        read=options.number(1, 1000, 40, whole=True),
+        default="40",
         show_default=True,
         help="Runs for each combination of an engine's choices, at most.",
     ),
@@ -50,86 +49,60 @@ def benchmark(call: Call, runs: int, lines: str | None) -> int:
     engine is not installed; the others are still measured. Settings with which an engine reports a failure are listed, but are not an
     error.
     """
-    from dataclasses import replace
-
-    from quickreturn.plugins.methods.compiling import compiling
-    from quickreturn.plugins.methods.race import race
+    from quickreturn.plugins.methods.race import Contest, Race
     from quickreturn.plugins.methods.signed import read_lines
-    from quickreturn.plugins.methods.studies import ENGINES, SCENES, contest
+    from quickreturn.plugins.methods.studies import ENGINES, SCENES, fronts
 
-    signed = read_lines(Path(lines)) if lines else ()
+    wanted = Contest(tuple(call.engines or ENGINES), runs=runs, lines=read_lines(Path(lines)) if lines else ())
     loaded = call.loaded(otherwise=SCENES)
-    names = call.engines or ENGINES
     call.refuse_missing()
     _ = [case.mechanism for case in loaded]  # a scene without crank is refused before anything runs
-    races, failed, chosen = list["Race"](), False, None
-    with workshop(None, call.quiet, loaded, names) as opened:
-        if not call.cases and not call.tag:
-            compiling(opened, names)  # for the report
-        for case in loaded:
-            try:
-                found = race(case, replace(contest(signed, chosen, names), runs=runs), opened)
-            except qr.EngineFailure as failure:  # of the solution that defines errors; the other cases have their own
-                tell(f"{case.name}: {failure}")
+    races, failed = list[Race](), False
+    with workshop(None, call.quiet, loaded, wanted.engines) as opened:
+        for case, found in fronts(opened, wanted, loaded, carries=not (call.cases or call.tag)):
+            if not isinstance(found, Race):  # there is no solution that defines errors; the other cases have their own
+                tell(f"{case.name}: {found}")
                 failed = True
                 continue
-            assert found is not None  # this workshop computes
             races.append(found)
-            if not (call.cases or call.tag) and case.name == SCENES[0]:
-                chosen = found
             if not call.as_json:
                 _print(found)
+            for name, reason in found.failures.items():
+                tell(f"{found.case}: engine {name} was left out: {reason}")
     if call.as_json:
         print_json({"benchmarks": [_as_document(found) for found in races]})
-    for found in races:
-        for name, reason in found.failures.items():
-            tell(f"{found.case}: engine {name} was left out: {reason}")
     if failed or any(found.failures for found in races):
         return ExitCode.ENGINE_TROUBLE
     return ExitCode.BAD_INPUT if call.lost else ExitCode.GOOD
 
 
 def _print(found: "Race") -> None:
-    from quickreturn.plugins.methods.row import REACHED
-    from quickreturn.reports.words import settings_words
+    from quickreturn.plugins.methods.chapters.methods import fastest, waiting
+    from quickreturn.plugins.methods.fronts import CRITERIA
 
     other = found.confirmation
-    agreed = (
-        f"not confirmed: {other.status}" if other.error is None else f"{other.engine} agrees to {other.error:.1e} in the tip deflection"
-    )
-    click.echo(f"{found.case}: errors against {settings_words(found.truth)}; {agreed}")
-    table = []
-    for by, level, method, at in _levels(found):
-        row = at.row
-        numbers = (at.seconds, 1e3), (row.seconds, 1e3), (row.calls, 1.0), (row.call_seconds, 1e6), (row.rows_seconds, 1e3)
-        texts = ("-" if value is None else f"{scale * value:.4g}" for value, scale in numbers)
-        table.append((by, f"{100.0 * level:g} %", method, *texts, settings_words(row.settings), row.signed))
-    times = ("ms at the level", "ms", "right-hand sides", "µs each", "ms for rows")
-    print_table(table, ("error of", "to", "method", *times, "first settings below it", "signed by"))
-    for row in found.rows:
-        if row.level is not None:
-            answer = f"{row.answer_seconds or 0.0:.3g} s" if row.status == REACHED else f"{row.status} {row.remark}"
-            click.echo(f"{row.engine} asked for {100.0 * row.level:g} %: {answer}")
-
-
-def _levels(found: "Race") -> "Iterator[tuple[str, float, str, Standing]]":
-    """Criterion, level, method, and the method's standing, the fastest first."""
-    from quickreturn.plugins.methods.fronts import CRITERIA, standings
-    from quickreturn.plugins.methods.row import LEVELS
-
-    for by, level in product(CRITERIA, LEVELS):
-        yield from ((by, level, method, at) for method, at in standings(found.given, level, by).items())
+    agreed = f"agrees to {other.error:.1e} in the tip deflection" if other.error is not None else f"does not confirm it: {other.status}"
+    click.echo(f"{found.case}: {other.engine} {agreed}")
+    tables = {f"by {by}": fastest([found], by) for by in CRITERIA}
+    tables["asked"] = waiting([row for row in found.rows if row.level is not None])
+    for name, table in tables.items():
+        shown = table.shown[1:]  # without the scene
+        heads = [f"{column.page_head} {column.page_unit}".strip() for column in shown]
+        print_table([[name, *(table.page_text(row, column) for column in shown)] for row in table.rows], ["", *heads])
 
 
 def _as_document(found: "Race") -> dict[str, Any]:
     """The race as a document; `points` are its rows, `levels` the time of each method at each level of the error."""
+    from quickreturn.plugins.methods.fronts import CRITERIA, standings
+    from quickreturn.plugins.methods.row import LEVELS
+
     levels = [
         {"by": by, "level": level, "method": method, "seconds": at.seconds, "calls": at.calls, "first_below": asdict(at.row)}
-        for by, level, method, at in _levels(found)
+        for by, level in product(CRITERIA, LEVELS)
+        for method, at in standings(found.given, level, by).items()
     ]
-    document = asdict(found)
-    del document["rows"]
-    return document | {"points": [{"method": row.method} | asdict(row) for row in found.rows], "levels": levels}
+    points = [{"method": row.method} | asdict(row) for row in found.rows]
+    return asdict(replace(found, rows=())) | {"points": points, "levels": levels}
 
 
 @options.command(
@@ -148,9 +121,9 @@ def advise(call: Call) -> None:
     loaded = call.loaded()
     found = [qr.advise(case, call.accuracy or 0.01) for case in loaded]
     tell_doubts(loaded)
-    documents = [
-        asdict(each)
-        | {"reaches": [{key: getattr(row, key) for key in _ADVISED} | {"waited_seconds": row.answer_seconds} for row in each.reaches]}
-        for each in found
-    ]
+    documents = [asdict(each) | {"reaches": [_reached(row) for row in each.reaches]} for each in found]
     call.show_each(documents, "\n\n".join(map(str, found)))
+
+
+def _reached(row: "Row") -> dict[str, Any]:
+    return {key: getattr(row, key) for key in _ADVISED} | {"waited_seconds": row.answer_seconds}

@@ -6,7 +6,6 @@ By similarity two machines with the same groups move alike: lengths scale with t
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 from typing import Final
 
 from quickreturn.cases.files.case import Case
@@ -34,15 +33,13 @@ class Groups:
 
 
 #: Group -> its definition in words.
-MEANINGS: Final[Mapping[str, str]] = MappingProxyType(
-    {
-        "speed": "crank speed over the lowest bending frequency",
-        "tip": "tip mass over arm mass",
-        "crank": "crank length over pivot distance",
-        "damping": "damping ratio of the lowest mode",
-        "joint": "joint stiffness over EI/L^3 of the arm",
-    }
-)
+MEANINGS: Final[Mapping[str, str]] = {
+    "speed": "crank speed over the lowest bending frequency",
+    "tip": "tip mass over arm mass",
+    "crank": "crank length over pivot distance",
+    "damping": "damping ratio of the lowest mode",
+    "joint": "joint stiffness over EI/L^3 of the arm",
+}
 
 
 def scene_of(groups: Groups) -> Mechanism:
@@ -53,19 +50,15 @@ def scene_of(groups: Groups) -> Mechanism:
     """
     base = library_case("thesis-24").mechanism
     arm, mass = base.follower, groups.tip * base.follower.mass
-    stiffness = groups.joint * arm.bending_stiffness / arm.length**3
-    slow = changed(
-        base,
-        {
-            "crank.length": groups.crank * base.pivot_distance,
-            "crank.prescribed_speed": 1.0,
-            "base.damping": 0.0,
-            "tip": None,
-            **({"tip.mass": mass, "tip.inertia": mass * GYRATION * arm.length**2} if mass else {}),
-            "slider": None,
-            "slider.joint_stiffness": stiffness,
-        },
-    )
+    changes = {
+        "crank.length": groups.crank * base.pivot_distance,
+        "crank.prescribed_speed": 1.0,
+        "base.damping": 0.0,
+        "tip": None,
+        "slider": None,
+        "slider.joint_stiffness": groups.joint * arm.bending_stiffness / arm.length**3,
+    }
+    slow = changed(base, changes | ({"tip.mass": mass, "tip.inertia": mass * GYRATION * arm.length**2} if mass else {}))
     lowest = stiffness_ratio(slow)  # at a speed of 1 rad/s this is the angular frequency of the lowest mode, rad/s
     damping = 2.0 * groups.damping * lowest * arm.mass_per_length
     return changed(slow, {"crank.prescribed_speed": groups.speed * lowest, "follower.damping": damping})
@@ -93,9 +86,11 @@ TIPS: Final = (0.0, 0.5, 2.0)
 #: Centre of the variations of the other groups; the damping is that of run 24, 0.0031, rounded.
 CENTRE: Final = Groups(speed=0.2, tip=0.5, crank=0.25, damping=0.003, joint=math.inf)
 #: Group -> its other values, and the speeds at which they are measured: damping matters where the arm rings, a soft joint at lower speeds.
-VARIED: Final[Mapping[str, tuple[tuple[float, ...], tuple[float, ...]]]] = MappingProxyType(
-    {"crank": ((0.15, 0.38), (0.05, 0.2, 0.5)), "damping": ((0.0, 0.03), (0.2, 0.5)), "joint": ((1000.0, 100.0), (0.05, 0.2))}
-)
+VARIED: Final[Mapping[str, tuple[tuple[float, ...], tuple[float, ...]]]] = {
+    "crank": ((0.15, 0.38), (0.05, 0.2, 0.5)),
+    "damping": ((0.0, 0.03), (0.2, 0.5)),
+    "joint": ((1000.0, 100.0), (0.05, 0.2)),
+}
 #: Duration of a scene, in turns of the crank, and number of output steps in it.
 TURNS: Final = 1
 ROWS: Final = 1000

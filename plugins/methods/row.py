@@ -1,14 +1,11 @@
 """A row of the race: an engine with some settings, or asked for an error, in a scene; its errors, and what they cost."""
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, replace
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from typing import Any, Final
 
-from quickreturn.engines.base import AnyEngine
 from quickreturn.engines.error_parts import ESTIMATED
-from quickreturn.engines.registry import engine
-from quickreturn.engines.settings import Settings
 from quickreturn.engines.trajectory import Trajectory, relative_error
 
 #: Errors at which methods are compared.
@@ -23,7 +20,7 @@ MEANINGS: Final[Mapping[str, str]] = {
     ENDED: "the slider leaves the follower, and up to shortly before that the run is accurate; the time is given",
     OWN_EQUATIONS: "the run solves the equations of its model as accurately as asked, but their solution is further off than asked",
     NOT_REACHED: "a result that its own estimate says is not as accurate as asked",
-    TOO_SLOW: "the processor time of the race is not enough",
+    TOO_SLOW: "the time of the race is not enough",
     FAILED: "the run broke down; the time and the cause are known",
     REFUSED: "the engine says that it cannot model this scene, and why",
     WRONG: "the engine claims an error that it does not keep",
@@ -78,28 +75,16 @@ class Row:
         return max((error for error in self.errors.values() if error is not None), default=None)
 
 
+def by_method(rows: Iterable[Row]) -> dict[str, list[Row]]:
+    """Combination -> its rows."""
+    found: dict[str, list[Row]] = {}
+    for row in rows:
+        found.setdefault(row.method, []).append(row)
+    return found
+
+
 def errors_of(columns: Trajectory | Mapping[str, Any], truth: Trajectory) -> dict[str, float | None]:
     """Relative error of each column of `ESTIMATED` over the rows that both have; None if the truth is zero throughout."""
     rows = min(len(columns[TIP]), len(truth))
     errors = {column: relative_error(columns[column][:rows], truth[column][:rows]) for column in ESTIMATED}
     return {column: error if math.isfinite(error) else None for column, error in errors.items()}
-
-
-def variant_of(engine: AnyEngine, settings: Settings | Mapping[str, Any]) -> str:
-    """The choices in which settings differ from the engine's defaults: "hermite"."""
-    given = settings if isinstance(settings, Mapping) else settings.as_dict()
-    return ", ".join(str(given[name]) for name, usual in choices_of(engine).items() if given[name] != usual[0])
-
-
-def choices_of(engine: AnyEngine) -> dict[str, tuple[str, ...]]:
-    """The settings of an engine that are a choice among texts, with what they accept, the default first."""
-    chosen = {each.name: each for each in fields(engine.settings_type) if each.metadata.get("choices")}
-    return {name: tuple(sorted(each.metadata["choices"], key=lambda text: text != each.default)) for name, each in chosen.items()}
-
-
-def essential(row: Row) -> Row:
-    """The row as it is recorded: settings that differ from the engine's defaults, errors that are compared, the remark's first clause."""
-    usual = engine(row.engine).settings_type().as_dict()
-    errors = {name: error for name, error in row.errors.items() if name == TIP or error == row.worst}
-    settings = {name: value for name, value in row.settings.items() if value != usual.get(name)}
-    return replace(row, settings=settings, errors=errors, remark=row.remark.partition("; ")[0])

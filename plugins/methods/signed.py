@@ -36,28 +36,24 @@ class Line:
     signed_by: str
     settings: Mapping[str, Any] = field(default_factory=dict)
 
+    def settings_for(self, mechanism: Mechanism) -> Settings:
+        """The settings for a machine."""
+        return engine(self.engine).settings_for(LEVELS[0], mechanism).with_texts(as_texts(self.settings))
+
 
 def read_lines(path: Path = FILE) -> tuple[Line, ...]:
     """The lines of a file. CaseError: a mistake in it, in one sentence."""
-    document = toml_of(read_text(str(path), "a file of lines"), str(path))
+    document, lines = toml_of(read_text(str(path), "a file of lines"), str(path)), list[Line]()
     given = document.get("line")
     if set(document) != {"line"} or not isinstance(given, list) or not all(isinstance(each, dict) for each in given):
         raise CaseError(str(path), None, None, f"has {', '.join(map(as_written, document)) or 'no line'}", _LINE)
-    return tuple(_line(each, f"line {number}", str(path)) for number, each in enumerate(given, 1))
-
-
-def _line(given: Mapping[str, Any], place: str, source: str) -> Line:
-    name, signed_by = (given.get(key) for key in ("engine", "signed_by"))
-    if not (isinstance(name, str) and isinstance(signed_by, str) and signed_by.strip()):
-        raise CaseError(source, place, None, "lacks its engine, or who signs it", _LINE)
-    settings = {key: value for key, value in given.items() if key not in ("engine", "signed_by")}
-    try:
-        engine(name).settings_type().with_texts(as_texts(settings))
-    except (UnknownEngine, SettingError) as error:
-        raise CaseError(source, place, None, str(error)) from None
-    return Line(name, signed_by, settings)
-
-
-def settings_for(line: Line, mechanism: Mechanism) -> Settings:
-    """The settings of a line for a machine."""
-    return engine(line.engine).settings_for(LEVELS[0], mechanism).with_texts(as_texts(line.settings))
+    for number, settings in enumerate(given, 1):
+        name, signed_by = (settings.pop(key, None) for key in ("engine", "signed_by"))
+        if not (isinstance(name, str) and isinstance(signed_by, str) and signed_by.strip()):
+            raise CaseError(str(path), f"line {number}", None, "lacks its engine, or who signs it", _LINE)
+        try:
+            engine(name).settings_type().with_texts(as_texts(settings))
+        except (UnknownEngine, SettingError) as error:
+            raise CaseError(str(path), f"line {number}", None, str(error)) from None
+        lines.append(Line(name, signed_by, settings))
+    return tuple(lines)

@@ -3,9 +3,9 @@
 A scene's own results are shown where the store has them, and the recorded ones (`reports.long_studies`) otherwise.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 from typing import Any, Final
 
@@ -14,15 +14,15 @@ from quickreturn.cases.library import catalogue, load_case
 from quickreturn.cases.library.hard import TAG
 from quickreturn.cases.running.workshop import Workshop
 from quickreturn.engines.base import EngineFailure, Refusal
-from quickreturn.engines.registry import MAIN
+from quickreturn.engines.registry import MAIN, engine
 from quickreturn.plugins.methods import map as of_classes
 from quickreturn.plugins.methods.compiling import Compiling, compiling
-from quickreturn.plugins.methods.fronts import CRITERIA, around_levels, front, standings
+from quickreturn.plugins.methods.fronts import CRITERIA, front, standings
 from quickreturn.plugins.methods.groups import Groups, case_of, grid, name_of
 from quickreturn.plugins.methods.map import ClassScene, Map
 from quickreturn.plugins.methods.race import Contest, Race, race
 from quickreturn.plugins.methods.rivals import RIVALS
-from quickreturn.plugins.methods.row import LEVELS, Row, essential
+from quickreturn.plugins.methods.row import LEVELS, TIP, Row, by_method
 from quickreturn.plugins.methods.signed import Line, read_lines
 from quickreturn.reports.long_studies import About, about, table
 from quickreturn.reports.page.content import Content
@@ -33,80 +33,76 @@ SCENES: Final = ("thesis-24", "thesis-17", "hard-ei-x0.1", "hard-crank-6in", "ha
 ENGINES: Final = (*MAIN, *RIVALS)
 #: Error that is asked for in hard scenes.
 REQUESTED: Final = 1e-2
-#: Processor time (s) for an answer in a hard scene.
-PATIENCE_OF_HARD: Final = 60.0
+#: Every main engine asked for it; and each engine with its usual choices in the many scenes of the map.
+OF_HARD: Final = Contest(MAIN, (REQUESTED,), runs=0, patience=60.0)
+OF_CLASSES: Final = Contest(ENGINES, of_classes.LEVELS, runs=16, usual=True, patience=5.0)
 #: Largest error of a row on a front that is recorded.
 LARGEST_RECORDED: Final = 0.1
 #: Who signs settings that the search found on the first scene.
 CHOSEN: Final = "chosen on {}"
-#: Runs of a combination in the scenes after the first, where settings found in that are tried, too.
-RUNS_OF_OTHERS: Final = 20
-#: Runs of each engine with its usual choices, and processor time (s) for an answer, in each of the many scenes of the map.
-RUNS_OF_CLASSES, PATIENCE_OF_CLASSES = 16, 5.0
 
 
-@dataclass(frozen=True)
-class Fronts:
-    """Races in some scenes, each with its fronts."""
+def fronts(workshop: Workshop, wanted: Contest, cases: Iterable[Case], carries: bool) -> Iterator[tuple[Case, Race | EngineFailure]]:
+    """The race in each case, or why its solution fails; what is missing in the workshop is left out. Raises Refusal: it is refused.
 
-    races: Sequence[Race] = ()
-    record: About | None = None  # if one of them is the recorded one
-
-
-def contest(lines: Iterable[Line] = (), chosen: Race | None = None, engines: Sequence[str] = ENGINES) -> Contest:
-    """The contest of fronts, with signed lines and, at the end, what was chosen in a scene."""
-    return Contest(tuple(engines), lines=(*read_lines(), *lines, *(chosen_in(chosen) if chosen else ())))
+    `carries`: whether settings that are chosen in the first one are tried in the others, too, whose searches have half as many runs.
+    """
+    wanted = replace(wanted, lines=(*read_lines(), *wanted.lines))
+    for case in cases:
+        with suppress(LookupError):
+            try:
+                found = race(case, wanted, workshop)
+            except EngineFailure as failure:
+                yield case, failure
+                continue
+            yield case, found
+            if carries:
+                wanted, carries = replace(wanted, runs=wanted.runs // 2, lines=(*wanted.lines, *chosen_in(found))), False
 
 
 def chosen_in(found: Race) -> list[Line]:
     """The first settings below each level on each front of a scene, as lines."""
-    lines = dict[str, Line]()
-    for level in LEVELS:
-        for at in standings(found.given, level).values():
-            line = Line(at.row.engine, CHOSEN.format(found.case), at.row.settings)
-            lines[repr(line)] = line
-    return list(lines.values())
+    rows = [at.row for level in LEVELS for at in standings(found.given, level).values()]
+    lines = [Line(row.engine, CHOSEN.format(found.case), row.settings) for row in rows]
+    return list({repr(line): line for line in lines}.values())
 
 
-def raced_in(cases: Iterable[Case], wanted: Contest, workshop: Workshop) -> list[Race]:
-    """The races in those of some scenes that have a solution and that the workshop has or computes."""
-    races = list[Race]()
-    for case in cases:
-        with suppress(EngineFailure, Refusal):
-            races += [found] if (found := race(case, wanted, workshop)) else []
-    return races
-
-
-def fronts(workshop: Workshop) -> list[Race]:
+def usual_fronts(workshop: Workshop) -> list[Race]:
     """The races in `SCENES`; what is missing in the workshop is left out."""
-    found = list[Race]()
-    for name in SCENES:
-        chosen = next((each for each in found if each.case == SCENES[0]), None)
-        wanted = contest(chosen=chosen)
-        found += raced_in([load_case(name)], replace(wanted, runs=RUNS_OF_OTHERS) if chosen else wanted, workshop)
-    return found
+    found = fronts(workshop, Contest(ENGINES), map(load_case, SCENES), carries=True)
+    return [each for _, each in found if isinstance(each, Race)]
 
 
 def hard_scenes(workshop: Workshop) -> list[Race]:
-    """Every main engine asked for `REQUESTED` in every hard scene; what is missing in the workshop is left out."""
-    asked = Contest(MAIN, (REQUESTED,), runs=0, patience=PATIENCE_OF_HARD)
-    return raced_in([load_case(entry.name) for entry in catalogue(TAG)], asked, workshop)
+    """The race in every hard scene; what is missing in the workshop is left out."""
+    found = list[Race]()
+    for entry in catalogue(TAG):
+        with suppress(EngineFailure, Refusal, LookupError):
+            found.append(race(load_case(entry.name), OF_HARD, workshop))
+    return found
 
 
 def classes(workshop: Workshop, among: Iterable[Groups] | None = None) -> Map:
     """The map of some classes, None: of all; what is missing in the workshop is left out."""
     scenes, rows = list[ClassScene](), list[Row]()
-    wanted = Contest(ENGINES, of_classes.LEVELS, RUNS_OF_CLASSES, usual=True, patience=PATIENCE_OF_CLASSES)
     for groups in grid() if among is None else among:
-        try:
-            found = race(case_of(groups), wanted, workshop)
-        except (EngineFailure, Refusal) as failure:
-            scenes.append(ClassScene(name_of(groups), groups, failure=str(failure)))
-            continue
-        if found:
+        with suppress(LookupError):
+            try:
+                found = race(case_of(groups), OF_CLASSES, workshop)
+            except (EngineFailure, Refusal) as failure:
+                scenes.append(ClassScene(name_of(groups), groups, failure=str(failure)))
+                continue
             scenes.append(ClassScene(found.case, groups, found.confirmation.error))
-            rows += of_classes.condensed(found)
+            rows += map(essential, of_classes.condensed(found))
     return Map(tuple(scenes), tuple(rows))
+
+
+def essential(row: Row) -> Row:
+    """The row as it is recorded: settings that differ from the engine's defaults, errors that are compared, the remark's first clause."""
+    usual = engine(row.engine).settings_type().as_dict()
+    errors = {name: error for name, error in row.errors.items() if name == TIP or error == row.worst}
+    settings = {name: value for name, value in row.settings.items() if value != usual.get(name)}
+    return replace(row, settings=settings, errors=errors, remark=row.remark.partition("; ")[0])
 
 
 def recorded_rows(rows: Sequence[Row], whole: bool = True) -> list[Row]:
@@ -115,19 +111,19 @@ def recorded_rows(rows: Sequence[Row], whole: bool = True) -> list[Row]:
     Unless the `whole` front is recorded, only the rows that give the time at a level, and the most accurate one; without parts of times.
     """
     kept = {id(row) for row in rows if row.signed or row.level is not None}
-    for method in dict.fromkeys(row.method for row in rows):
-        given = [row for row in rows if row.method == method and row.level is None]
+    for of_method in by_method(row for row in rows if row.level is None).values():
         for by in CRITERIA:
-            on_front = front(given, by)
-            chosen = [row for row in on_front if (row.worst or 0.0) <= LARGEST_RECORDED] if whole else around_levels(on_front, by)
-            kept |= {id(row) for row in chosen}
+            on_front = front(of_method, by)
+            at_levels = [at for level in LEVELS for at in standings(of_method, level, by).values()]
+            around = [*on_front[-1:], *(row for at in at_levels for row in (at.before, at.row))]
+            kept |= {id(row) for row in (on_front if whole else around) if not whole or (row.worst or 0.0) <= LARGEST_RECORDED}
     without: dict[str, Any] = {} if whole else {"call_seconds": None, "rows_seconds": None, "setup_seconds": None}
     return [replace(row, **without) for row in rows if id(row) in kept]
 
 
 def front_rows(workshop: Workshop) -> dict[str, Sequence[Any]]:
     """Tables of the record "benchmark"."""
-    return _tables("benchmark", fronts(workshop)) | {"compiling": compiling(workshop, ENGINES) or table("compiling", Compiling)}
+    return _tables("benchmark", usual_fronts(workshop)) | {"compiling": compiling(workshop, ENGINES) or table("compiling", Compiling)}
 
 
 def hard_scene_rows(workshop: Workshop) -> dict[str, Sequence[Any]]:
@@ -138,8 +134,7 @@ def hard_scene_rows(workshop: Workshop) -> dict[str, Sequence[Any]]:
 def _tables(name: str, races: Sequence[Race]) -> dict[str, Sequence[Any]]:
     """Rows and scenes; of the first scene, where settings are chosen, with whole fronts, and with the machine."""
     rows = [essential(row) for found in races for row in recorded_rows(found.rows, found is races[0])]
-    scenes = [replace(found, rows=(), machine=found.machine if found is races[0] else {}) for found in races]
-    return {name: rows, f"{name}_scenes": scenes}
+    return {name: rows, f"{name}_scenes": [replace(each, rows=(), machine=each.machine if each is races[0] else {}) for each in races]}
 
 
 def class_rows(workshop: Workshop) -> dict[str, Sequence[Any]]:
@@ -160,31 +155,23 @@ def class_map() -> Map:
     return Map(tuple(table("classes_scenes", ClassScene)), tuple(table("classes", Row)))
 
 
-def fronts_of(content: Content) -> Fronts:
-    """The races of a report: in `SCENES`, or in its own cases."""
-    if content.workshop is None:
-        return Fronts()
-    if content.has(SCENES[0]):
-        own = fronts(content.workshop.as_it_is)
-        return Fronts(own) if own else Fronts(recorded("benchmark"), about("benchmark"))
-    return Fronts(raced_in([result.case for result in content.results], contest(), content.workshop.as_it_is))
+def fronts_of(content: Content) -> tuple[Sequence[Race], About | None]:
+    """The races of a report on the thesis, and the record if they are the recorded ones."""
+    return _own_or_recorded(content, usual_fronts, "benchmark")
 
 
-def hard_scenes_of(content: Content) -> Fronts:
-    """The hard scenes of a report."""
+def hard_scenes_of(content: Content) -> tuple[Sequence[Race], About | None]:
+    """The same of the hard scenes."""
+    return _own_or_recorded(content, hard_scenes, "hard scenes")
+
+
+def _own_or_recorded(content: Content, find: Callable[[Workshop], list[Race]], study: str) -> tuple[Sequence[Race], About | None]:
     if content.workshop is None or not content.has(SCENES[0]):
-        return Fronts()
-    own = hard_scenes(content.workshop.as_it_is)
-    return Fronts(own) if own else Fronts(recorded("hard_scenes"), about("hard scenes"))
+        return (), None
+    own = find(content.workshop.as_it_is)
+    return (own, None) if own else (recorded(study.replace(" ", "_")), about(study))
 
 
 def map_of(content: Content) -> Map:
-    """The recorded map of classes."""
+    """The recorded map of classes, in a report on the thesis."""
     return class_map() if content.workshop and content.has(SCENES[0]) else Map()
-
-
-def compiling_of(content: Content) -> Sequence[Compiling]:
-    """Times to compile engines, if they were measured."""
-    if content.workshop is None or not content.has(SCENES[0]):
-        return []
-    return compiling(content.workshop.as_it_is, ENGINES) or table("compiling", Compiling)

@@ -1,4 +1,4 @@
-"""The solution of a scene that defines errors, and a second formulation that confirms it."""
+"""The solution of a scene that defines errors, and a second one that confirms it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -17,16 +17,10 @@ from quickreturn.plugins.methods.row import LEVELS, TIP, Row, errors_of
 
 #: Engine and settings of the truth. In run 24 it differs from nine modes by 2e-5 of the tip deflection; fewer modes have larger errors.
 TRUTH: Final = ("reference", {"modes": "13", "tolerance": "1e-10", "slowed_to": "0"})
-#: Engines that confirm it, with settings from coarse to fine: they share no coordinate, joint or integrator with the truth. The finer chain
+#: Engine that confirms it, with settings from coarse to fine: it shares no coordinate, joint or integrator with the truth. The finer chain
 #: is used if the first does not agree: for a follower that bends to two thirds of its length 60 links are 1e-3 off.
-CONFIRMING: Final[Mapping[str, tuple[dict[str, str], ...]]] = {
-    "mujoco": ({"links": "60", "armature": "0"}, {"links": "160"}),
-    "exudyn": ({"elements": "32", "step": "5e-5", "newton_tolerance": "1e-6"},),
-}
-#: The faster one, for uses where one is enough.
-CONFIRMING_ONE: Final = "mujoco"
-#: Largest difference (relative, in the tip deflection) between the two with which the truth counts as confirmed. Measured in run 24: 3e-5
-#: by mujoco, 6e-5 by exudyn.
+CONFIRMING: Final = ("mujoco", ({"links": "60", "armature": "0"}, {"links": "160"}))
+#: Largest difference (relative, in the tip deflection) between the two with which the truth counts as confirmed: 3e-5 in run 24.
 CONFIRMED: Final = 2e-4
 #: Difference of the two from the start on, up to which a scene's motion counts as known.
 KNOWN: Final = 0.1 * LEVELS[0]
@@ -36,8 +30,8 @@ KNOWN: Final = 0.1 * LEVELS[0]
 class Truth:
     """The solution of a scene."""
 
-    trajectory: Trajectory  # up to where it is known: the duration, the end of the scene, or where two formulations part
-    confirmation: Row  # a second formulation: its errors are its differences from the trajectory, its status says why there are none
+    trajectory: Trajectory  # up to where it is known: the duration, the end of the scene, or where two solutions part
+    confirmation: Row  # the second solution: its errors are its differences from the trajectory, its status says why there are none
     end: float | None = None  # s, when the slider leaves the follower
 
     @property
@@ -47,79 +41,59 @@ class Truth:
 
     @property
     def uncertainty(self) -> float:
-        """Relative difference of the two formulations in the tip deflection; 0 without a second one."""
+        """Relative difference of the two solutions in the tip deflection; 0 without a second one."""
         return self.confirmation.error or 0.0
 
-    @property
-    def confirmed(self) -> bool:
-        """Whether the two agree to `CONFIRMED`."""
-        return self.confirmation.completed and self.uncertainty <= CONFIRMED
 
+def truth_of(case: Case, alone: bool = False) -> Truth:
+    """The solution of a case, up to where a second one agrees with it to `KNOWN`.
 
-def truth_of(case: Case) -> Truth:
-    """The solution of a case, with a second formulation beside it. EngineFailure, Refusal: there is none."""
-    trajectory, end = _marched(case, settings_of(*TRUTH, case))
-    return _known(trajectory, *confirmation_of(case, trajectory), end)
+    `alone`: both by `reference`, with six and two modes more than it takes for 0.01 %. That takes milliseconds where a chain of links may
+    take hours, as for a stiff arm; other engines that are asked for an error in the same scene confirm it.
 
-
-def truth_by_itself(case: Case) -> Truth:
-    """The solution of a case by `reference` with six modes more than it takes for 0.01 %, and beside it that with two more.
-
-    It takes milliseconds where `truth_of` may take hours, as for a stiff arm. Other engines that are asked for an error in the same scene
-    confirm it. EngineFailure, Refusal: there is none.
+    EngineFailure, Refusal: there is none.
     """
-    usual = settings_of(TRUTH[0], {}, case)
-    modes, tolerance = usual.as_dict()["modes"], max(0.1 * usual.as_dict()["tolerance"], 1e-12)
-    coarse, fine = (usual.with_texts({"modes": str(min(modes + more, 13)), "tolerance": str(tolerance)}) for more in (2, 6))
-    trajectory, end = _marched(case, fine)
-    second, _ = _marched(case, coarse)
-    row = Row(scene=case.name, engine=TRUTH[0], settings=coarse.as_dict(), errors=errors_of(second, trajectory))
-    return _known(trajectory, row, second, end)
-
-
-def _marched(case: Case, settings: Settings) -> tuple[Trajectory, float | None]:
-    """The columns that every engine gives of a run of `reference`, and the time (s) when it ended before the duration."""
+    chosen, end, row, second = settings_of(*TRUTH, case), None, Row(scene=case.name, engine=CONFIRMING[0]), None
+    others = [settings_of(CONFIRMING[0], texts, case) for texts in CONFIRMING[1]]
+    if alone:
+        usual, row = settings_of(TRUTH[0], {}, case), replace(row, engine=TRUTH[0])
+        modes, tolerance = usual.as_dict()["modes"], max(0.1 * usual.as_dict()["tolerance"], 1e-12)
+        others = [usual.with_texts({"modes": str(min(modes + more, 13)), "tolerance": str(tolerance)}) for more in (2, 6)]
+        chosen = others.pop()
     try:
-        trajectory, end = run_of(engine(TRUTH[0]), case, settings).trajectory, None
+        truth = run_of(engine(TRUTH[0]), case, chosen).trajectory
     except EngineFailure as failure:
         if failure.partial is None or len(failure.partial) < 2:
             raise
-        trajectory, end = failure.partial, float(failure.time)
-    return _head(trajectory, len(trajectory)), end
-
-
-def _known(truth: Trajectory, confirmation: Row, second: Trajectory | None, end: float | None) -> Truth:
-    """The truth up to where a second solution, if there is one, agrees with it to `KNOWN`."""
-    if second is not None and (confirmation.error or 0.0) > KNOWN:
+        truth, end = failure.partial, float(failure.time)
+    for settings in others:
+        row, second = _second(replace(row, settings=settings.as_dict()), case, settings, truth)
+        if second is None or (row.error or 0.0) <= CONFIRMED:
+            break
+    if second is not None and (row.error or 0.0) > KNOWN:
         rows = min(len(second), len(truth))
         size, apart = (np.cumsum(np.square(each)) for each in (truth[TIP][:rows], second[TIP][:rows] - truth[TIP][:rows]))
         truth = _head(truth, max(2, int(np.max(np.flatnonzero(apart <= KNOWN**2 * size), initial=0)) + 1))
-        confirmation = replace(confirmation, errors=errors_of(second, truth))
-    return Truth(truth, confirmation, end)
+        row = replace(row, errors=errors_of(second, truth))
+    return Truth(_head(truth, len(truth)), row, end)
+
+
+def _second(row: Row, case: Case, settings: Settings, truth: Trajectory) -> tuple[Row, Trajectory | None]:
+    """The row of a second solution against the truth, and its trajectory as far as it goes."""
+    try:
+        found = run_of(engine(row.engine), case, settings).trajectory
+    except Refusal as refusal:
+        return replace(row, status=str(refusal)), None
+    except EngineFailure as failure:
+        if failure.partial is None or len(failure.partial) < 2:
+            return replace(row, status=str(failure)), None
+        found, row = failure.partial, replace(row, time=failure.time)
+    return replace(row, errors=errors_of(found, truth), solve_seconds=found.solve_seconds), found
 
 
 def _head(trajectory: Trajectory, rows: int) -> Trajectory:
+    """The first rows of the columns that every engine gives."""
     return replace(trajectory, columns={name: trajectory[name][:rows] for name in REQUIRED})
-
-
-def confirmation_of(case: Case, truth: Trajectory, name: str = CONFIRMING_ONE) -> tuple[Row, Trajectory | None]:
-    """An engine in `CONFIRMING` against the truth: its row, and its trajectory as far as it goes."""
-    row, found = Row(scene=case.name, engine=name), None
-    for texts in CONFIRMING[name]:
-        settings, ended = settings_of(name, texts, case), None
-        try:
-            found = run_of(engine(name), case, settings).trajectory
-        except EngineFailure as failure:
-            found, ended = failure.partial, failure
-        except Refusal as refusal:
-            return replace(row, status=str(refusal)), None
-        if found is None or len(found) < 2:
-            return replace(row, status=str(ended)), None
-        errors, time = errors_of(found, truth), None if ended is None else ended.time
-        row = replace(row, settings=settings.as_dict(), errors=errors, time=time, solve_seconds=found.solve_seconds)
-        if (row.error or 0.0) <= CONFIRMED:
-            break
-    return row, found
 
 
 def run_of(chosen: AnyEngine, case: Case, settings: Settings) -> CompletedRun:

@@ -2,7 +2,7 @@
 
 from quickreturn.plugins.methods.race import Race
 from quickreturn.plugins.methods.row import ENDED, FAILED, OWN_EQUATIONS, REACHED, REFUSED, WRONG, Row
-from quickreturn.plugins.methods.studies import Fronts
+from quickreturn.reports.long_studies import About
 
 COLUMNS = ("tip_deflection", "tip_acceleration", "strain_1", "strain_2", "strain_3", "slider_force")
 #: Engine and variant -> order of the error, error with one unknown, seconds per unknown.
@@ -44,15 +44,15 @@ def made_up_race(case: str = "thesis-24", confirmed: bool = True, engines: tuple
         )
     rows.append(Row(scene=case, engine="nodal-load", settings={"elements": 2}, status="failed at t = 0.1 s: the beam snapped; try another"))
     confirmation = Row(scene=case, engine="mujoco", settings={"links": 60}, errors=dict.fromkeys(COLUMNS, 1e-4 if confirmed else 1e-2))
-    return Race(case, "a title", 2.0, {"modes": "11"}, 2.0, confirmation, 32, {"processor": "one"}, tuple(rows))
+    return Race(case, "a title", 2.0, 2.0, confirmation, 32, {"processor": "one"}, tuple(rows))
 
 
-def made_up_fronts(*races: Race) -> Fronts:
-    """Those of run 24, or of some races."""
-    return Fronts(races or (made_up_race(),))
+def made_up_fronts(*races: Race) -> tuple[tuple[Race, ...], About | None]:
+    """Those of run 24, or of some races, which are not recorded."""
+    return races or (made_up_race(),), None
 
 
-def made_up_hard_scenes(wrong: bool = False) -> Fronts:
+def made_up_hard_scenes(wrong: bool = False) -> tuple[tuple[Race, ...], About | None]:
     """Two scenes: one that ends, and one in which an engine is silently wrong, or refuses."""
     name = "hard-speed-x3"
     ended = {"status": ENDED, "time": 0.2526, "errors": {"tip_deflection": 4e-3}, "claim": 5e-3}
@@ -70,5 +70,5 @@ def made_up_hard_scenes(wrong: bool = False) -> Fronts:
     ]
     confirmation = Row(scene=name, engine="mujoco", errors={"tip_deflection": 1e-4})
     titles = {name: "Run 24, crank speed x 3: the slider leaves the follower", other: "Run 24, crank speed x 2"}
-    races = [Race(each, titles[each], 2.0, {}, 0.25, confirmation, 0, {}, tuple(rows)) for each, rows in ((other, second), (name, first))]
-    return Fronts(races)
+    scenes = ((other, second), (name, first))
+    return tuple(Race(each, titles[each], 2.0, 0.25, confirmation, 0, {}, tuple(rows)) for each, rows in scenes), None

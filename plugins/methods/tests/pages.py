@@ -5,7 +5,6 @@ from typing import Any
 from quickreturn.cases.comparison.engines import CaseResult
 from quickreturn.plugins.methods import studies
 from quickreturn.plugins.methods.map import Map
-from quickreturn.plugins.methods.studies import Fronts
 from quickreturn.reports.page.content import Content
 from tests.reports import pages
 from tests.reports.pages import chapter_of, finding_of, plain, read, text_of
@@ -16,9 +15,8 @@ __all__ = ["chapter_of", "finding_of", "of_studies", "one_run", "plain", "read",
 def of_studies(**made_up: Any) -> dict[Any, Any]:
     """The data of a content with some results of studies, by name; none of the others."""
     return {
-        studies.fronts_of: made_up.get("fronts", Fronts()),
-        studies.hard_scenes_of: made_up.get("hard_scenes", Fronts()),
-        studies.compiling_of: made_up.get("compiling", []),
+        studies.fronts_of: made_up.get("fronts", ((), None)),
+        studies.hard_scenes_of: made_up.get("hard_scenes", ((), None)),
         studies.map_of: made_up.get("classes", Map()),
     }
 

@@ -6,8 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from quickreturn.plugins.methods.fronts import DEFLECTION, WORST, around_levels, front, paced, standing, standings
+from quickreturn.plugins.methods.fronts import DEFLECTION, front, paced, standings
 from quickreturn.plugins.methods.row import LEVELS, TIP, Row
+from quickreturn.plugins.methods.studies import recorded_rows
 
 
 def row(seconds: float, error: float | None, engine: str = "a", worst: float | None = None, calls: float | None = None) -> Row:
@@ -41,28 +42,27 @@ def test_between_the_runs_of_a_power_law_the_time_is_that_of_the_law(order: floa
     """Time = size error^(-1/order), and as many calls as a thousand a second."""
     errors = [10.0**-power for power in (1, 2, 3, 4)]
     rows = [row(size * error ** (-1.0 / order), error, calls=1e3 * size * error ** (-1.0 / order)) for error in errors]
-    found = standing(rows, level)
-    assert found is not None
+    (found,) = standings(rows, level).values()
     assert found.seconds == pytest.approx(size * level ** (-1.0 / order), rel=1e-9)
     assert found.calls == pytest.approx(1e3 * found.seconds, rel=1e-9)
     assert found.row.error == max(error for error in errors if error <= level)
-    assert standing(rows, 1e-5) is None
-    assert standing(rows, 0.5).seconds == rows[0].seconds  # type: ignore[union-attr]
+    assert standings(rows, 1e-5) == {}
+    assert standings(rows, 0.5)["a"].seconds == rows[0].seconds
 
 
 @given(st.lists(st.tuples(positive, st.floats(1e-6, 1.0)), max_size=30))
 def test_rows_around_the_levels_give_the_times_of_the_whole_front(values: list[tuple[float, float]]) -> None:
     whole = front([row(*value) for value in values])
-    kept = around_levels(whole, WORST)
+    kept = recorded_rows(whole, whole=False)
     assert len(kept) <= 2 * len(LEVELS) + 1
-    assert [standing(kept, level) for level in LEVELS] == [standing(whole, level) for level in LEVELS]
+    assert [standings(kept, level) for level in LEVELS] == [standings(whole, level) for level in LEVELS]
     assert kept[-1:] == whole[-1:]
 
 
 def test_the_worst_column_or_the_deflection_alone_decides() -> None:
     rows = [row(1.0, 1e-3, worst=5e-2), row(3.0, 1e-3, worst=2e-3), row(1.5, 4e-3, "b", worst=4e-3), row(0.1, None, "c")]
     assert list(standings(rows, 1e-2, DEFLECTION)) == ["a", "b"]
-    worst = standings(rows, 1e-2, WORST)
+    worst = standings(rows, 1e-2)
     assert list(worst) == ["b", "a"]
     assert worst["a"].row is rows[1]
     assert 1.0 < worst["a"].seconds < 3.0

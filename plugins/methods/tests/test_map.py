@@ -4,6 +4,7 @@ import math
 
 import pytest
 
+from quickreturn.plugins.methods.advice import beyond
 from quickreturn.plugins.methods.groups import Groups
 from quickreturn.plugins.methods.map import LEVELS, TIMES, condensed
 from quickreturn.plugins.methods.row import NOT_REACHED, REACHED
@@ -28,8 +29,9 @@ def test_a_machine_is_near_the_scene_of_its_groups_and_outside_where_no_scene_is
     known = made_up_map()
     scene, steps = known.nearest(BY_SPEED[0.2])
     assert (scene.groups, steps) == (BY_SPEED[0.2], 0.0)
-    assert known.outside(BY_SPEED[0.1]) == {}
-    assert known.outside(Groups(speed=0.6, tip=0.5, crank=0.25, damping=0.003, joint=math.inf)) == {"speed": (0.05, 0.5)}
+    assert list(beyond(known, BY_SPEED[0.1])) == []
+    (told,) = beyond(known, Groups(speed=0.6, tip=0.5, crank=0.25, damping=0.003, joint=math.inf))
+    assert told.endswith("is 0.6, the map has 0.05 to 0.5")
 
 
 def test_an_engine_has_the_time_of_its_fastest_combination_and_of_its_own_answer() -> None:

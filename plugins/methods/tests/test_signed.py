@@ -6,7 +6,7 @@ import pytest
 
 from quickreturn.cases.files.errors import CaseError
 from quickreturn.cases.library import load_case
-from quickreturn.plugins.methods.signed import read_lines, settings_for
+from quickreturn.plugins.methods.signed import read_lines
 from tests.quickreturn.conftest import Call
 
 
@@ -15,7 +15,7 @@ def test_the_projects_lines_are_settings_of_their_engines_and_signed() -> None:
     assert {"exudyn", "mujoco"} <= {line.engine for line in lines}
     for line in lines:
         assert line.signed_by
-        settings = settings_for(line, load_case("thesis-24").mechanism).as_dict()
+        settings = line.settings_for(load_case("thesis-24").mechanism).as_dict()
         assert {name: settings[name] for name in line.settings} == line.settings
 
 

@@ -10,8 +10,6 @@ from matplotlib.figure import Figure
 
 from quickreturn.cases.comparison.engines import CaseResult
 from quickreturn.cases.motion.time_scale import CHANNELS
-from quickreturn.plugins.methods import drawing as of_methods
-from quickreturn.plugins.methods.tests.made_up_races import made_up_race
 from quickreturn.reports.drawing import cycle
 from quickreturn.reports.drawing.style import picture
 from tests.reports.plotted_results import made_up_result, with_table
@@ -88,22 +86,3 @@ def test_a_single_engine_has_pictures_of_its_own_but_no_comparison() -> None:
     result = TROUBLES["settled"]
     alone = dataclasses.replace(result, runs={"own": dataclasses.replace(result.runs["exudyn"], engine="own")}, checks=())
     _check(of_cycle(alone))
-
-
-@pytest.fixture(scope="module")
-def benchmark() -> Figure:
-    figure = of_methods.draw(made_up_race())
-    _check(figure)
-    return figure
-
-
-def test_methods_that_completed_nothing_have_no_mark(benchmark: Figure) -> None:
-    assert "nodal-load" not in _texts(benchmark)
-    assert {"reference", "multiplier, hermite"} <= set(_texts(benchmark))
-
-
-def test_the_front_lies_below_the_points(benchmark: Figure) -> None:
-    lowest = min(benchmark.axes[0].lines, key=lambda line: line.get_zorder())
-    seconds, errors = np.asarray(lowest.get_xdata()), np.asarray(lowest.get_ydata())
-    assert np.all(np.diff(seconds) > 0.0)
-    assert np.all(np.diff(errors) < 0.0)
