@@ -83,6 +83,7 @@ def race(case: Case, contest: Contest, workshop: Workshop) -> Race:
             raise LookupError(job.name)
         return outcome
 
+    failures = {name: reason for name in contest.engines if (reason := engine(name).unavailable())}
     scene, alone = inputs_of(case), contest.runs == 0
     known_by = TRUTH[:1] if alone else (TRUTH[0], CONFIRMING[0])
     solution = computed(Job(f"solution of {case.name}", truth_of, (case, alone), "truth", known_by, inputs=(scene, alone)))
@@ -91,7 +92,6 @@ def race(case: Case, contest: Contest, workshop: Workshop) -> Race:
     if solution.value is None:
         raise EngineFailure(0.0, solution.explanation, "try another scene")
     truth: Truth = solution.value
-    failures = {name: reason for name in contest.engines if (reason := engine(name).unavailable())}
     able, rows = tuple(name for name in contest.engines if name not in failures), list[Row]()
     for name in able:
         own = replace(contest, engines=(name,), lines=tuple(line for line in contest.lines if line.engine == name))
