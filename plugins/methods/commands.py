@@ -1,6 +1,6 @@
 """`quickreturn benchmark`: the race of methods in a scene; and `advise`: which method, by the map of classes."""
 
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -101,8 +101,9 @@ def _as_document(found: "Race") -> dict[str, Any]:
         for by, level in product(CRITERIA, LEVELS)
         for method, at in standings(found.given, level, by).items()
     ]
-    points = [{"method": row.method} | asdict(row) for row in found.rows]
-    return asdict(replace(found, rows=())) | {"points": points, "levels": levels}
+    document = asdict(found)
+    del document["rows"]
+    return document | {"points": [{"method": row.method} | asdict(row) for row in found.rows], "levels": levels}
 
 
 @options.command(
