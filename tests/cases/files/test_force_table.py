@@ -113,6 +113,7 @@ def test_tables_drive_the_crank_and_survive_a_round_trip(tmp_path: Path, monkeyp
         ("torque_table", MOTOR.replace("60", "0"), "line 3, crank_speed: 0 does not rise"),
         ("torque_table", MOTOR.replace("120, 0", "120, 3"), "crank.initial_speed: is missing, and no speed"),
         ("speed_table", TIMES.replace("9,5", "-9,5"), "line 3, crank_speed: -9.5 rad/s lets the crank stand still or turn back"),
+        ("speed_table", "time [s]; crank_speed [rad/s]\n2026-12-01 00:00; 4,5\n2026-12-01 00:01; 9,5\n", "has dates in place of a time"),
         ("speed_table", TIMES.replace("time [ms]", "crank_angle [deg]"), "(crank.speed_table): has 2 points; at least 4 are needed"),
     ],
 )
