@@ -46,14 +46,15 @@ _KEPT: Final[dict[tuple[Mechanism, bytes, bytes], tuple[ShapeSet, beam.BoundedTa
 def _staying(scene: Mechanism, shapes: ShapeSet) -> tuple[ShapeSet, beam.BoundedTables, float]:
     """What `_KEPT` holds, for a scene and shapes: runs that differ in their tolerance follow each other."""
     key = scene, shapes.edges.tobytes(), shapes.coefficients.tobytes()
-    if key not in _KEPT:
+    if (found := _KEPT.get(key)) is None:
         began = time.perf_counter()
         free, squares = decoupled(shapes, scene.follower.mass_per_length, scene.follower.bending_stiffness)
         of_elements = shapes.count > 0 and shapes.coefficients.shape[1] == 4
         tables = (beam.elements if of_elements else beam.staying)(scene, free, squares)
+        found = free, tables, time.perf_counter() - began
         _KEPT.clear()
-        _KEPT[key] = free, tables, time.perf_counter() - began
-    return _KEPT[key]
+        _KEPT[key] = found
+    return found  # not what is kept by now: another thread may keep its own
 
 
 class BeamModel:
